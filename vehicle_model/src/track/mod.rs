@@ -5,9 +5,11 @@
 //! in any lap; it is wrapped to [0, L).
 
 mod arc;
+mod builtin;
 mod error;
 mod fingerprint;
 mod frenet;
+mod import;
 mod path;
 mod segment;
 mod widths;
