@@ -79,6 +79,19 @@ pub enum TrackError {
         /// Largest allowed distance [m] and angle [rad].
         tolerance: f64,
     },
+    /// The last point is far from the first.
+    #[error(
+        "open track: the last point at {end} is {gap:.3} m from the first, \
+         expected at most {limit:.3} m (three times the largest spacing of the other points)"
+    )]
+    Gap {
+        /// The last point.
+        end: Place,
+        /// Its distance from the first [m].
+        gap: f64,
+        /// Largest allowed distance [m].
+        limit: f64,
+    },
     /// The centre line crosses itself.
     #[error("the centre line crosses itself: {first} meets {second}")]
     Crossing {

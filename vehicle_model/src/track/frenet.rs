@@ -113,7 +113,7 @@ impl Track {
     /// Piece and distance in it of the nearest point of the whole centre line.
     fn nearest(&self, x: f64, y: f64) -> (usize, f64) {
         let distance = |i: usize, u: f64| {
-            let (x_c, y_c, _) = self.path.pose_in(i, u);
+            let (x_c, y_c) = self.path.point_in(i, u);
             (x - x_c).hypot(y - y_c)
         };
         let mut best = (0, 0.0);

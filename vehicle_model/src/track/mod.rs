@@ -6,16 +6,20 @@
 
 mod arc;
 mod builtin;
+mod crossing;
 mod error;
 mod fingerprint;
 mod frenet;
 mod import;
 mod path;
+mod points;
 mod segment;
+mod spline;
 mod widths;
 
 pub use error::{Place, TrackError};
 pub use frenet::{Projection, wrap_angle};
+pub use points::TrackPoint;
 pub use segment::Segment;
 
 use fingerprint::Fnv1a;
@@ -47,11 +51,17 @@ impl Track {
         width_right: f64,
     ) -> Result<Self, TrackError> {
         let item = |i: usize| format!("segment {}", i + 1);
-        let (arcs, widths, problems) = segment::chain(segments, width_left, width_right, &item);
-        match problems.into_iter().next() {
-            Some(problem) => Err(problem),
-            None => Ok(Self::assemble(name, Path::Arcs(arcs), widths)),
-        }
+        segment::build(name, segments, width_left, width_right, &item).map_err(import::first)
+    }
+
+    /// A track through points of its centre line in the order of driving; the list is open (the
+    /// last point is one step before the first) or repeats the first point at its end.
+    ///
+    /// # Errors
+    /// The first of everything that is wrong with the points.
+    pub fn from_points(name: &str, points: &[TrackPoint]) -> Result<Self, TrackError> {
+        let item = |i: usize| format!("point {}", i + 1);
+        points::build(name, points, &item).map_err(import::first)
     }
 
     /// The track of parts that have been checked.
@@ -66,13 +76,12 @@ impl Track {
             hash = hash.with(&[path.start_of(i), path.length_of(i), x, y, psi, kappa]);
             max_abs_kappa = max_abs_kappa.max(kappa.abs());
         }
-        let mut max_width: f64 = 0.0;
         for span in widths.spans() {
             let ((left, right), (l_slope, r_slope)) = (span.start, span.slope);
             hash = hash.with(&[span.s, left, right, l_slope, r_slope]);
-            max_width = max_width.max(left + right);
         }
         let name = name.to_owned();
+        let max_width = widths.largest();
         Self { name, path, widths, length, max_abs_kappa, max_width, fingerprint: hash.finish() }
     }
 

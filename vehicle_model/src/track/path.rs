@@ -1,12 +1,15 @@
 //! The centre line as a chain of pieces, whatever each of them is.
 
 use super::arc::Arc;
+use super::spline::Spline;
 
 /// The centre line of one lap.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Path {
     /// Straights and arcs, exact.
     Arcs(Vec<Arc>),
+    /// A closed spline whose parameter is its arc length.
+    Spline(Spline),
 }
 
 impl Path {
@@ -14,6 +17,7 @@ impl Path {
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Arcs(arcs) => arcs.len(),
+            Self::Spline(spline) => spline.len(),
         }
     }
 
@@ -21,6 +25,7 @@ impl Path {
     pub(super) fn index_of(&self, s: f64) -> usize {
         match self {
             Self::Arcs(arcs) => arcs.partition_point(|arc| arc.s <= s).saturating_sub(1),
+            Self::Spline(spline) => spline.index_of(s),
         }
     }
 
@@ -28,6 +33,7 @@ impl Path {
     pub(super) fn start_of(&self, i: usize) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].s,
+            Self::Spline(spline) => spline.start_of(i),
         }
     }
 
@@ -35,14 +41,21 @@ impl Path {
     pub(super) fn length_of(&self, i: usize) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].length,
+            Self::Spline(spline) => spline.length_of(i),
         }
     }
 
     /// Curvature at s in [0, L) [1/m].
     pub(super) fn kappa(&self, s: f64) -> f64 {
         let i = self.index_of(s);
+        self.kappa_in(i, s - self.start_of(i))
+    }
+
+    /// Curvature at distance u in piece i [1/m].
+    pub(super) fn kappa_in(&self, i: usize, u: f64) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].kappa,
+            Self::Spline(spline) => spline.kappa_in(i, u),
         }
     }
 
@@ -50,6 +63,18 @@ impl Path {
     pub(super) fn pose_in(&self, i: usize, u: f64) -> (f64, f64, f64) {
         match self {
             Self::Arcs(arcs) => arcs[i].pose(u),
+            Self::Spline(spline) => spline.pose_in(i, u),
+        }
+    }
+
+    /// Point (x, y) at distance u in piece i.
+    pub(super) fn point_in(&self, i: usize, u: f64) -> (f64, f64) {
+        match self {
+            Self::Arcs(arcs) => {
+                let (x, y, _) = arcs[i].pose(u);
+                (x, y)
+            }
+            Self::Spline(spline) => spline.point_in(i, u),
         }
     }
 
@@ -57,13 +82,16 @@ impl Path {
     pub(super) fn foot_in(&self, i: usize, x: f64, y: f64) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].foot(x, y),
+            Self::Spline(spline) => spline.foot_in(i, x, y),
         }
     }
 
     /// Distance of (x, y) from the beginning of piece i [m].
     pub(super) fn distance_to_start(&self, i: usize, x: f64, y: f64) -> f64 {
-        match self {
-            Self::Arcs(arcs) => (x - arcs[i].x).hypot(y - arcs[i].y),
-        }
+        let (x_i, y_i) = match self {
+            Self::Arcs(arcs) => (arcs[i].x, arcs[i].y),
+            Self::Spline(spline) => spline.point_in(i, 0.0),
+        };
+        (x - x_i).hypot(y - y_i)
     }
 }

@@ -1,9 +1,13 @@
 //! A track described by straights and arcs, as a designer draws it.
 
+use std::f64::consts::TAU;
+
 use super::arc::Arc;
 use super::error::{Place, TrackError};
 use super::frenet::wrap_angle;
-use super::widths::{Span, Widths};
+use super::path::Path;
+use super::widths::{Span, Widths, too_tight};
+use super::{Track, crossing};
 
 /// Largest distance [m] and angle [rad] by which a track of segments may miss its start.
 const CLOSURE: f64 = 1e-6;
@@ -48,13 +52,14 @@ impl Segment {
     }
 }
 
-/// The chain of arcs of the segments and their widths, with everything wrong with them.
-pub(super) fn chain(
+/// The track of the segments, or everything wrong with them. `item` names segment i.
+pub(super) fn build(
+    name: &str,
     segments: &[Segment],
     width_left: f64,
     width_right: f64,
     item: &dyn Fn(usize) -> String,
-) -> (Vec<Arc>, Widths, Vec<TrackError>) {
+) -> Result<Track, Vec<TrackError>> {
     let mut problems = Vec::new();
     let mut arcs = Vec::with_capacity(segments.len());
     let mut spans = Vec::with_capacity(segments.len());
@@ -64,37 +69,53 @@ pub(super) fn chain(
     }
     let (mut s, mut x, mut y, mut psi) = (0.0, 0.0, 0.0, 0.0);
     for (i, segment) in segments.iter().enumerate() {
-        let mut require = |key, found: f64, ok: bool, expected| {
-            if !(found.is_finite() && ok) {
-                problems.push(TrackError::Value { item: item(i), key, found, expected });
-            }
-        };
         let start = segment.width_start.unwrap_or((width_left, width_right));
         let end = segment.width_end.unwrap_or(start);
-        let turn = (segment.kappa * segment.length).abs();
-        require("length", segment.length, segment.length > 0.0, "a length above 0 m");
-        require("curvature", segment.kappa, true, "a finite number");
-        require("angle", turn, turn < std::f64::consts::TAU, "less than a full turn");
-        for (key, width) in [
-            ("width_left", start.0),
-            ("width_right", start.1),
-            ("width_left at the end", end.0),
-            ("width_right at the end", end.1),
-        ] {
-            require(key, width, width > 0.0, "a width above 0 m");
-        }
-        let arc = Arc { s, length: segment.length, kappa: segment.kappa, x, y, psi };
-        (x, y, psi) = arc.pose(segment.length);
+        problems.extend(segment.problems(start, end, &|| item(i)));
+        let Segment { length, kappa, .. } = *segment;
+        let arc = Arc { s, length, kappa, x, y, psi };
+        let from = Place { s, x, y };
+        (x, y, psi) = arc.pose(length);
         arcs.push(arc);
-        spans.push(Span::new(s, segment.length, start, end));
-        s += segment.length;
+        spans.push(Span::new(s, length, start, end));
+        s += length;
+        let tight = too_tight(from, kappa, start);
+        problems.extend(tight.or_else(|| too_tight(Place { s, x, y }, kappa, end)));
     }
+    let (gap, turn) = (x.hypot(y), wrap_angle(psi));
+    if problems.is_empty() && (gap > CLOSURE || turn.abs() > CLOSURE) {
+        let end = Place { s, x, y };
+        problems.push(TrackError::Open { end, gap, turn, tolerance: CLOSURE });
+    }
+    let (path, widths) = (Path::Arcs(arcs), Widths::new(spans));
     if problems.is_empty() {
-        let (gap, turn) = (x.hypot(y), wrap_angle(psi));
-        if gap > CLOSURE || turn.abs() > CLOSURE {
-            let end = Place { s, x, y };
-            problems.push(TrackError::Open { end, gap, turn, tolerance: CLOSURE });
-        }
+        problems = crossing::find(&path, s, widths.largest());
     }
-    (arcs, Widths::new(spans), problems)
+    if problems.is_empty() { Ok(Track::assemble(name, path, widths)) } else { Err(problems) }
+}
+
+impl Segment {
+    /// The numbers of this segment that are not what they may be.
+    fn problems(
+        &self,
+        start: (f64, f64),
+        end: (f64, f64),
+        item: &dyn Fn() -> String,
+    ) -> Vec<TrackError> {
+        let turn = (self.kappa * self.length).abs();
+        let positive = |v: f64| v > 0.0;
+        [
+            ("length", self.length, positive(self.length), "a length above 0 m"),
+            ("curvature", self.kappa, true, "a finite curvature (a radius other than 0 m)"),
+            ("angle", turn, turn < TAU, "less than a full turn (6.283 rad)"),
+            ("width_left", start.0, positive(start.0), "a width above 0 m"),
+            ("width_right", start.1, positive(start.1), "a width above 0 m"),
+            ("width_left_end", end.0, positive(end.0), "a width above 0 m"),
+            ("width_right_end", end.1, positive(end.1), "a width above 0 m"),
+        ]
+        .into_iter()
+        .filter(|(_, found, ok, _)| !(*ok && found.is_finite()))
+        .map(|(key, found, _, expected)| TrackError::Value { item: item(), key, found, expected })
+        .collect()
+    }
 }

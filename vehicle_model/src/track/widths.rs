@@ -1,5 +1,7 @@
 //! Distances from the centre line to both edges, piecewise linear in s.
 
+use super::error::{Place, TrackError};
+
 /// A stretch with linear widths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Span {
@@ -19,6 +21,14 @@ impl Span {
     }
 }
 
+/// What is wrong with a bend of this curvature whose (left, right) widths [m] these are: on its
+/// inner side the width must stay below the radius, or s has no meaning there.
+pub(super) fn too_tight(place: Place, kappa: f64, widths: (f64, f64)) -> Option<TrackError> {
+    let width = if kappa > 0.0 { widths.0 } else { widths.1 };
+    let radius = 1.0 / kappa.abs();
+    (width >= radius).then_some(TrackError::TooTight { place, radius, width })
+}
+
 /// The widths of a whole lap.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Widths {
@@ -34,6 +44,16 @@ impl Widths {
     /// The stretches in order.
     pub(super) fn spans(&self) -> &[Span] {
         &self.spans
+    }
+
+    /// Largest distance from edge to edge [m].
+    pub(super) fn largest(&self) -> f64 {
+        let ends = self.spans.iter().zip(self.spans.iter().skip(1)).map(|(span, next)| {
+            let d = next.s - span.s;
+            span.start.0 + span.start.1 + (span.slope.0 + span.slope.1).max(0.0) * d
+        });
+        let starts = self.spans.iter().map(|span| span.start.0 + span.start.1);
+        ends.chain(starts).fold(0.0, f64::max)
     }
 
     /// Distances (left, right) to the edges at s in [0, L) [m].

@@ -1,6 +1,6 @@
 //! Our own track format: straights and arcs in TOML.
 
-use crate::track::{Segment, Track, TrackError, path::Path, segment};
+use crate::track::{Segment, Track, TrackError, segment};
 use serde::Deserialize;
 use std::f64::consts::PI;
 use toml::Spanned;
@@ -56,19 +56,14 @@ pub(super) fn read(text: &str) -> Result<Track, Vec<TrackError>> {
             }),
         }
     }
-    if problems.is_empty() {
-        let item = |i: usize| match lines.get(i) {
-            Some(line) => format!("line {line}: segment {}", i + 1),
-            None => format!("segment {}", i + 1),
-        };
-        let (left, right) = (file.width_left_m, file.width_right_m);
-        let (arcs, widths, wrong) = segment::chain(&segments, left, right, &item);
-        if wrong.is_empty() {
-            return Ok(Track::assemble(&file.name, Path::Arcs(arcs), widths));
-        }
-        problems = wrong;
+    if !problems.is_empty() {
+        return Err(problems);
     }
-    Err(problems)
+    let item = |i: usize| match lines.get(i) {
+        Some(line) => format!("line {line}: segment {}", i + 1),
+        None => format!("segment {}", i + 1),
+    };
+    segment::build(&file.name, &segments, file.width_left_m, file.width_right_m, &item)
 }
 
 /// What the TOML reader says, with its place.
