@@ -1,7 +1,7 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
-use nalgebra::{Vector2, Vector6};
-use vehicle_model::{CarParams, Input, State};
+use nalgebra::{Vector2, Vector3, Vector6};
+use vehicle_model::{CarParams, Input, SlipAngles, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
@@ -70,17 +70,17 @@ impl Workspace {
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.derived.selected, &query, size);
         probe.end(Phase::SafeSet);
-        self.weigh(setup.config, memory);
+        self.weigh(&setup.config, memory);
     }
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         let mode = setup.config.regression.mode;
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.problem.model[t] = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
-            self.problem.front[t] = front_slip(setup.car, x, u);
+            self.problem.front[t] = front_slip(&setup.car, x, u);
             // The lane and the rear guard bind the state at the stage's end.
             let next = &memory.plan.x[t + 1];
-            self.problem.rear[t] = rear_slip(setup.car, next);
+            self.problem.rear[t] = rear_slip(&setup.car, next);
             let margin = setup.config.limits.lane_margin;
             self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin;
             self.problem.e_y_min[t] = margin - setup.track.width_right(next.s);
@@ -175,16 +175,25 @@ fn rate(limit: Option<f64>, dt: f64) -> f64 {
     limit.map_or(f64::INFINITY, |limit| limit * dt)
 }
 
+/// The front slip angle linearised at (x, u).
 fn front_slip(car: &CarParams, x: &State, u: &Input) -> SlipRow {
-    let (angle, velocity) = car.front_slip(x, u.delta);
-    SlipRow { velocity, steering: 1.0, offset: angle - u.delta - dot(velocity, x) }
+    let slip = SlipAngles::new(x, u, car);
+    let velocity = slip.front_gradient;
+    let offset = slip.front - u.delta - velocity.dot(&velocities(x));
+    SlipRow { velocity: velocity.into(), steering: 1.0, offset }
 }
 
+/// The rear slip angle linearised at x.
 fn rear_slip(car: &CarParams, x: &State) -> SlipRow {
-    let (angle, velocity) = car.rear_slip(x);
-    SlipRow { velocity, steering: 0.0, offset: angle - dot(velocity, x) }
+    let slip = SlipAngles::new(x, &Input::default(), car);
+    let velocity = slip.rear_gradient;
+    SlipRow {
+        velocity: velocity.into(),
+        steering: 0.0,
+        offset: slip.rear - velocity.dot(&velocities(x)),
+    }
 }
 
-fn dot(velocity: [f64; 3], x: &State) -> f64 {
-    velocity[0] * x.v_x + velocity[1] * x.v_y + velocity[2] * x.omega_z
+fn velocities(x: &State) -> Vector3<f64> {
+    Vector3::new(x.v_x, x.v_y, x.omega_z)
 }

@@ -14,7 +14,7 @@ pub(crate) const SAMPLES: usize = 1500;
 /// Scales of the residuals of v_x, v_y [m/s] and omega_z [rad/s].
 const SCALES: [f64; 3] = [0.05, 0.05, 0.3];
 /// Weight of the pull towards factor 1.
-const PULL: f64 = 1.0;
+const PULL: f64 = 0.1;
 /// Gauss-Newton steps at most.
 const STEPS: usize = 4;
 /// A step smaller than this ends the iteration.
