@@ -56,14 +56,17 @@ fn tyre_rates<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU], grip: &[T; 2
     let [f_yf, f_yr] = forces.lateral;
     let [f_xf, f_xr] = forces.long;
 
-    let mut a_x = f_xr / car.mass;
+    // Without the ellipse the axles' accelerations are the commanded ones to the last bit.
+    let [a_xf, a_xr] =
+        if car.combined_slip { [f_xf / car.mass, f_xr / car.mass] } else { along.axle };
+    let mut a_x = a_xr;
     let mut v_y_dot = (f_yf * cos_delta + f_yr) / car.mass - omega_z * v_x;
     let mut omega_z_dot = (f_yf * cos_delta * car.l_f - f_yr * car.l_r) / car.inertia_z;
     if along.front_acts {
-        a_x += f_xf / car.mass * cos_delta;
-        v_y_dot += f_xf / car.mass * sin_delta;
+        a_x += a_xf * cos_delta;
+        v_y_dot += a_xf * sin_delta;
         if car.front_force_yaw {
-            omega_z_dot += f_xf * sin_delta * (car.l_f / car.inertia_z);
+            omega_z_dot += a_xf * sin_delta * (car.mass * car.l_f / car.inertia_z);
         }
     }
     if let Some(resistance) = along.resistance {
