@@ -41,11 +41,6 @@ impl Widths {
         Self { spans }
     }
 
-    /// The stretches in order.
-    pub(super) fn spans(&self) -> &[Span] {
-        &self.spans
-    }
-
     /// Largest distance from edge to edge [m].
     pub(super) fn largest(&self) -> f64 {
         let ends = self.spans.iter().zip(self.spans.iter().skip(1)).map(|(span, next)| {
