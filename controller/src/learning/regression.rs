@@ -98,7 +98,8 @@ fn solve<const F: usize, const F1: usize, const R: usize>(
     let mut gram = SMatrix::<f64, F1, F1>::identity() * eps;
     let mut moment = SMatrix::<f64, F1, R>::zeros();
     for sample in samples {
-        let phi = SVector::<f64, F1>::from_fn(|i, _| if i < F { sample.z[features[i]] } else { 1.0 });
+        let phi =
+            SVector::<f64, F1>::from_fn(|i, _| if i < F { sample.z[features[i]] } else { 1.0 });
         let y = SVector::<f64, R>::from_fn(|i, _| sample.y[rows[i]]);
         let weighted = phi * sample.weight;
         gram.ger(1.0, &weighted, &phi, 1.0);

@@ -41,11 +41,6 @@ impl Widths {
         Self { spans }
     }
 
-    /// The stretches in order.
-    pub(super) fn spans(&self) -> &[Span] {
-        &self.spans
-    }
-
     /// Least and largest distance from edge to edge [m].
     pub(super) fn range(&self) -> (f64, f64) {
         let ends = self.spans.iter().zip(self.spans.iter().skip(1)).map(|(span, next)| {
