@@ -22,7 +22,6 @@ pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
 pub use segment::Segment;
 
-use fingerprint::Fnv1a;
 use path::Path;
 use widths::Widths;
 
@@ -34,6 +33,7 @@ pub struct Track {
     widths: Widths,
     length: f64,
     max_abs_kappa: f64,
+    min_width: f64,
     max_width: f64,
     fingerprint: u64,
 }
@@ -65,24 +65,14 @@ impl Track {
     }
 
     /// The track of parts that have been checked.
-    fn assemble(name: &str, path: Path, widths: Widths) -> Self {
+    fn assemble(name: &str, path: Path, widths: Widths, fingerprint: u64) -> Self {
         let last = path.len() - 1;
         let length = path.start_of(last) + path.length_of(last);
-        let mut hash = Fnv1a::new();
-        let mut max_abs_kappa: f64 = 0.0;
-        for i in 0..path.len() {
-            let kappa = path.kappa(path.start_of(i));
-            let (x, y, psi) = path.pose_in(i, 0.0);
-            hash = hash.with(&[path.start_of(i), path.length_of(i), x, y, psi, kappa]);
-            max_abs_kappa = max_abs_kappa.max(kappa.abs());
-        }
-        for span in widths.spans() {
-            let ((left, right), (l_slope, r_slope)) = (span.start, span.slope);
-            hash = hash.with(&[span.s, left, right, l_slope, r_slope]);
-        }
+        let max_abs_kappa =
+            (0..path.len()).map(|i| path.kappa_in(i, 0.0).abs()).fold(0.0, f64::max);
+        let (min_width, max_width) = widths.range();
         let name = name.to_owned();
-        let max_width = widths.largest();
-        Self { name, path, widths, length, max_abs_kappa, max_width, fingerprint: hash.finish() }
+        Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
     }
 
     /// Name of the track.
@@ -97,7 +87,7 @@ impl Track {
         self.length
     }
 
-    /// Progress s of any lap brought into [0, L) [m].
+    /// Progress s of any lap brought into [0, L) [m]; 0 for what is no finite number.
     #[must_use]
     pub fn wrap(&self, s: f64) -> f64 {
         if (0.0..self.length).contains(&s) {
@@ -133,6 +123,12 @@ impl Track {
         self.widths.at(self.wrap(s)).1
     }
 
+    /// Width from edge to edge at the narrowest place [m].
+    #[must_use]
+    pub fn narrowest(&self) -> f64 {
+        self.min_width
+    }
+
     /// Point of the centre line at s [m].
     #[must_use]
     pub fn position(&self, s: f64) -> (f64, f64) {
@@ -147,8 +143,8 @@ impl Track {
         self.pose(s).2
     }
 
-    /// A number that tells this track's geometry and widths from any other's; the same on every
-    /// machine. The name has no part in it.
+    /// A number that tells this track's geometry and widths from any other's: a hash of the
+    /// segments or points it was made of, the same on every machine. The name has no part in it.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint

@@ -9,6 +9,7 @@
 //! a survey noisier than that is better smoothed by those who know its noise.
 
 use super::error::{Place, TrackError};
+use super::fingerprint::Fnv1a;
 use super::frenet::wrap_angle;
 use super::path::Path;
 use super::spline::Spline;
@@ -140,9 +141,15 @@ pub(super) fn build(
     problems.extend(crossing::find(
         &path,
         path.start_of(last) + path.length_of(last),
-        widths.largest(),
+        widths.range().1,
     ));
-    if problems.is_empty() { Ok(Track::assemble(name, path, widths)) } else { Err(problems) }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let hash = points
+        .iter()
+        .fold(Fnv1a::new(), |hash, p| hash.with(&[p.x, p.y, p.width_left, p.width_right]));
+    Ok(Track::assemble(name, path, widths, hash.finish()))
 }
 
 /// Numbers that are not finite or not positive where they must be.

@@ -163,7 +163,8 @@ fn ttl_points(rows: &[Row]) -> Result<Vec<TrackPoint>, Vec<TrackError>> {
                     expected: format!("a point to the {name}, in the order of driving"),
                 });
             }
-            dx.hypot(dy)
+            // Not hypot: its last bit, and with it the fingerprint, depends on the platform.
+            (dx * dx + dy * dy).sqrt()
         };
         let (width_left, width_right) = (width(9, 1.0, "left"), width(11, -1.0, "right"));
         points.push(TrackPoint { x, y, width_left, width_right });
