@@ -33,6 +33,18 @@ impl Chord {
         (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
     }
 
+    /// Where the chord meets the line of another; its beginning if it runs along it.
+    fn meeting(&self, other: &Self) -> Place {
+        let (a, b) = (other.side(self.from), other.side(self.to));
+        let t = if a == b { 0.0 } else { a / (a - b) };
+        let between = |from: f64, to: f64| from + t * (to - from);
+        Place {
+            s: between(self.from.s, self.to.s),
+            x: between(self.from.x, self.to.x),
+            y: between(self.from.y, self.to.y),
+        }
+    }
+
     /// Whether the chords have a point in common.
     fn meets(&self, other: &Self) -> bool {
         let overlap = |a_0: f64, a_1: f64, b_0: f64, b_1: f64| {
@@ -59,8 +71,10 @@ fn chords(path: &Path, width: f64) -> Vec<Chord> {
             places.push(Place { s: start + u, x, y });
         }
     }
-    let n = places.len();
-    (0..n).map(|i| Chord { from: places[i], to: places[(i + 1) % n] }).collect()
+    let end = path.start_of(path.len() - 1) + path.length_of(path.len() - 1);
+    let home = Place { s: end, ..places[0] };
+    let ends = places.iter().skip(1).copied().chain([home]);
+    places.iter().zip(ends).map(|(&from, to)| Chord { from, to }).collect()
 }
 
 /// Every crossing of the centre line with itself; those closer together than a width once.
@@ -79,7 +93,8 @@ pub(super) fn find(path: &Path, length: f64, width: f64) -> Vec<TrackError> {
             let wraps = i == 0 && j == n - 1;
             let near = NEIGHBOUR_WIDTHS * width;
             if j > i + 1 && !wraps && apart.min(around) > near && chords[i].meets(&chords[j]) {
-                found.push((chords[i].from, chords[j].from));
+                let (i, j) = (&chords[i], &chords[j]);
+                found.push((i.meeting(j), j.meeting(i)));
             }
         }
     }

@@ -23,10 +23,11 @@ pub use points::TrackPoint;
 pub use segment::Segment;
 
 use path::Path;
+use std::fmt;
 use widths::Widths;
 
 /// A closed race track.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Track {
     name: String,
     path: Path,
@@ -35,6 +36,16 @@ pub struct Track {
     max_abs_kappa: f64,
     max_width: f64,
     fingerprint: u64,
+}
+
+impl fmt::Debug for Track {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Track")
+            .field("name", &self.name)
+            .field("length", &self.length)
+            .field("pieces", &self.path.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Track {
