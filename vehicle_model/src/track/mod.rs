@@ -34,6 +34,7 @@ pub struct Track {
     widths: Widths,
     length: f64,
     max_abs_kappa: f64,
+    min_width: f64,
     max_width: f64,
     fingerprint: u64,
 }
@@ -80,9 +81,9 @@ impl Track {
         let length = path.start_of(last) + path.length_of(last);
         let max_abs_kappa =
             (0..path.len()).map(|i| path.kappa_in(i, 0.0).abs()).fold(0.0, f64::max);
-        let max_width = widths.largest();
+        let (min_width, max_width) = widths.range();
         let name = name.to_owned();
-        Self { name, path, widths, length, max_abs_kappa, max_width, fingerprint }
+        Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
     }
 
     /// Name of the track.
@@ -131,6 +132,12 @@ impl Track {
     #[must_use]
     pub fn width_right(&self, s: f64) -> f64 {
         self.widths.at(self.wrap(s)).1
+    }
+
+    /// Width from edge to edge at the narrowest place [m].
+    #[must_use]
+    pub fn narrowest(&self) -> f64 {
+        self.min_width
     }
 
     /// Point of the centre line at s [m].

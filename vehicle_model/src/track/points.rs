@@ -143,7 +143,7 @@ pub(super) fn build(
     problems.extend(crossing::find(
         &path,
         path.start_of(last) + path.length_of(last),
-        widths.largest(),
+        widths.range().1,
     ));
     if !problems.is_empty() {
         return Err(problems);
