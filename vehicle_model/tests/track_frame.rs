@@ -181,6 +181,7 @@ fn widths_vary_along_a_taper() {
         assert!((track.width_right(s) - right).abs() < 1e-12, "{s}");
     }
     assert_eq!((track.width_left(100.0), track.width_right(100.0)), (6.0, 5.0));
+    assert_eq!(track.narrowest(), 7.0);
     let end = track.length() - 1.0;
     assert_eq!((track.width_left(end), track.width_right(end)), (3.0, 4.0));
 }

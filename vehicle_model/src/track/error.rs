@@ -129,3 +129,13 @@ pub enum TrackError {
         width: f64,
     },
 }
+
+impl TrackError {
+    /// Line and column in the file, where the problem belongs to one; (0, 0) where not.
+    pub(super) fn line_and_column(&self) -> (usize, usize) {
+        match self {
+            Self::Syntax { line, column, .. } => (*line, *column),
+            _ => (0, 0),
+        }
+    }
+}
