@@ -228,8 +228,12 @@ fn what_is_no_track_is_told_so() {
     let error = Track::parse("a.csv", "1 2\n3 4\n").unwrap_err().to_string();
     assert!(error.starts_with("line 1, column 3: 2 columns; expected 4 columns"), "{error}");
     for (text, place, words) in [
-        ("name = 3", "line 1, column 8", "expected a string"),
-        ("name = \"a\"\nwidth = 3.0", "line 2, column 1", "width_left_m"),
+        (
+            "name = 3\nwidth_left_m = 1\nwidth_right_m = 1\nsegment = []",
+            "line 1, column 8",
+            "expected a string",
+        ),
+        ("name = \"a\"\nwidth = 3.0", "line 1, column 1", "no width_left_m"),
         ("name = \"a\"\nwidth_left_m = ", "line 2, column", ""),
         (
             "name = \"a\"\nwidth_left_m = 1.0\nwidth_right_m = 1.0\n[[segment]]\nangle_deg = 9.0",

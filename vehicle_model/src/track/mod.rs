@@ -3,6 +3,17 @@
 //! A track is a centre line with its curvature kappa(s), and the distances to its left and
 //! right edge. It is made once, checked then, and never changes. Progress s may be asked for
 //! in any lap; it is wrapped to [0, L).
+//!
+//! ```
+//! use vehicle_model::{State, Track};
+//!
+//! let track = Track::builtin("l").ok_or("ships with the crate")?;
+//! let x = State { s: 3.0, e_y: 0.2, ..State::default() };
+//! let g = track.to_global(&x);
+//! let back = track.to_frenet(&g, Some(2.9)); // the s of the step before
+//! assert!((back.s - x.s).abs() < 1e-9 && (back.e_y - x.e_y).abs() < 1e-9);
+//! # Ok::<(), &str>(())
+//! ```
 
 mod arc;
 mod builtin;

@@ -21,6 +21,9 @@ const SPEED_TOLERANCE: f64 = 1e-6;
 /// Knots of the arc-length spline are taken this many times as dense as the points, then
 /// doubled until the tolerance is met, at most up to the second number.
 const DENSITY: (usize, usize) = (2, 32);
+/// No denser than this many knots, whatever the tolerance: a survey at every centimetre is taken
+/// as it is.
+const MOST_KNOTS: usize = 100_000;
 /// Fewest points of a track.
 const FEWEST: usize = 8;
 /// Points closer than this are the same point [m].
@@ -74,7 +77,8 @@ pub(super) fn fit(points: &[TrackPoint]) -> (Path, Widths) {
     }
     let mut density = DENSITY.0;
     let mut spline = equidistant(&chordal, &s, density * n);
-    while density < DENSITY.1 && speed_error(&spline) > SPEED_TOLERANCE {
+    while density < DENSITY.1 && density * n < MOST_KNOTS && speed_error(&spline) > SPEED_TOLERANCE
+    {
         density *= 2;
         spline = equidistant(&chordal, &s, density * n);
     }

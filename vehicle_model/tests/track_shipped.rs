@@ -1,4 +1,4 @@
-//! The road course that ships: it closes, it can be driven, and it keeps clear of itself.
+//! The tracks that ship: they close; the road course can be driven and keeps clear of itself.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,6 +6,29 @@ use vehicle_model::Track;
 
 /// Distance along the lap below which two places belong to the same corner [m].
 const SAME_CORNER: f64 = 120.0;
+
+#[test]
+fn the_l_track_is_the_one_of_the_study() {
+    let track = Track::builtin("l").unwrap();
+    assert!((track.length() - 17.461412207630154).abs() < 1e-14);
+    let end = track.length().next_down();
+    let (x, y) = track.position(end);
+    assert!(x.hypot(y) < 1e-14, "the lap misses its start by {:e} m", x.hypot(y));
+    assert!((track.heading(end) - 2.0 * std::f64::consts::PI).abs() < 1e-14);
+    // By hand: after the first half circle and the straight behind it; after the second one.
+    let half = std::f64::consts::PI;
+    for (s, x, y, psi) in [
+        (2.251 + 1.1525 * half, 2.251, 2.305, half),
+        (2.251 + 1.1525 * half + 0.901, 1.35, 2.305, half),
+        (track.length() - 0.905905, -0.905905, 0.0, 2.0 * half),
+        (track.length() - 0.905905 - 1.2206275 * half / 2.0, -2.1265325, 1.2206275, 1.5 * half),
+    ] {
+        let (x_s, y_s) = track.position(s);
+        assert!((x_s - x).hypot(y_s - y) < 1e-14, "{s}: {x_s} {y_s}");
+        assert!((track.heading(s) - psi).abs() < 1e-14, "{s}");
+    }
+    assert_eq!((track.width_left(9.0), track.width_right(9.0)), (0.55, 0.55));
+}
 
 #[test]
 fn the_road_course_closes_and_is_drivable() {
