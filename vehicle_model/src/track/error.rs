@@ -93,7 +93,9 @@ pub enum TrackError {
         limit: f64,
     },
     /// The centre line crosses itself.
-    #[error("the centre line crosses itself: {first} meets {second}")]
+    #[error(
+        "the centre line crosses itself: {first} meets {second}; expected stretches that keep apart"
+    )]
     Crossing {
         /// First passage.
         first: Place,
