@@ -2,11 +2,14 @@
 //! (Xue, Zhu, Dolan, Borrelli 2023).
 #![forbid(unsafe_code)]
 
+mod affine;
 pub mod config;
 mod error;
+pub mod fhocp;
 mod presets;
 mod status;
 
+pub use affine::Affine;
 pub use config::Config;
 pub use error::ConfigError;
 pub use presets::Preset;

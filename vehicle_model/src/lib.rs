@@ -7,5 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod state;
+pub mod track;
 
 pub use state::{GlobalState, Input, NU, NX, State};
+pub use track::{Projection, Segment, Track, TrackError};
