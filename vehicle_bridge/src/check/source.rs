@@ -3,7 +3,6 @@
 
 use std::ops::Range;
 
-use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -12,66 +11,110 @@ use super::Finding;
 /// Most findings in one file; what follows so many is noise.
 const MOST_FINDINGS: usize = 100;
 
+/// What stands in for a missing key so that reading goes on; the first that fits is taken.
+const STAND_INS: [&str; 3] = ["1.0", "\"x\"", "true"];
+
 /// Text with the places found wrong blanked out; lines and columns stay where they are.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub(super) struct Source {
     original: String,
     text: String,
-    /// Lines put in front for keys that are missing.
-    supplied: usize,
+    /// Lines of `text`, from 0, that stand in for missing keys, each with its key and stand-in.
+    supplied: Vec<(usize, String, usize)>,
 }
 
 impl Source {
     /// The whole text.
-    #[must_use]
-    pub fn new(text: &str) -> Self {
-        let original = text.to_owned();
-        Self { text: original.clone(), original, supplied: 0 }
+    pub(super) fn new(text: &str) -> Self {
+        Self { text: text.to_owned(), original: text.to_owned(), supplied: Vec::new() }
     }
 
     /// What is left to read.
-    #[must_use]
-    pub fn text(&self) -> &str {
+    pub(super) fn text(&self) -> &str {
         &self.text
     }
 
-    /// Reads a `T`, finding everything on the way that is no TOML, no key of `T`, or has the
-    /// wrong type. `None` if what is left still cannot be read.
-    pub fn read<T: DeserializeOwned>(&mut self, findings: &mut Vec<Finding>) -> Option<T> {
+    /// Reads with `parse`, finding everything on the way that is no TOML, no key, or has the
+    /// wrong type. Whether what is left can be read.
+    pub(super) fn read(
+        &mut self,
+        findings: &mut Vec<Finding>,
+        parse: impl Fn(&str) -> Result<(), toml::de::Error>,
+    ) -> bool {
         self.syntax(findings);
         while findings.len() < MOST_FINDINGS {
-            let error = match toml::from_str::<T>(&self.text) {
-                Ok(value) => return Some(value),
-                Err(error) => error,
+            let Err(error) = parse(&self.text) else { return true };
+            let Some(span) = error.span() else {
+                findings.push(Finding::of(error.message().to_owned()));
+                return false;
             };
-            if let Some(key) = missing_key(error.message()) {
-                let in_root = error.span().is_none_or(|span| span.start == 0)
-                    || self.entry_around(&error.span().unwrap_or_default()).is_none();
-                findings.push(Finding { line: None, column: None, message: error.message().into() });
-                if !in_root {
-                    return None;
-                }
-                // Any number will do: the key has been reported already.
-                self.text.insert_str(0, &format!("{key} = 1.0\n"));
-                self.supplied += 1;
-                continue;
-            }
-            let Some(span) = error.span().filter(|s| s.start >= self.supplied_bytes()) else {
-                findings.push(Finding { line: None, column: None, message: error.message().into() });
-                return None;
+            let line = position(&self.text, span.start).0 - 1;
+            let done = if let Some(key) = missing_key(error.message()) {
+                let header = self.line_text(line).trim_start().starts_with('[');
+                let section = if header { self.line_text(line).trim().to_owned() } else { String::new() };
+                findings.push(Finding {
+                    line: if header { self.original_line(line + 1) } else { None },
+                    column: None,
+                    message: if header {
+                        format!("{section}: {}", error.message())
+                    } else {
+                        error.message().to_owned()
+                    },
+                });
+                self.supply(if header { line + 1 } else { 0 }, key);
+                true
+            } else if let Some(i) = self.supplied.iter().position(|s| s.0 == line) {
+                self.next_stand_in(i)
+            } else {
+                findings.push(self.finding(&span, error.message()));
+                let entry = self.entry_around(&span).unwrap_or_else(|| vec![span]);
+                self.blank(&entry)
             };
-            findings.push(self.finding(&span, error.message()));
-            let entry = self.entry_around(&span).unwrap_or_else(|| vec![span]);
-            if !self.blank(&entry) {
-                return None;
+            if !done {
+                return false;
             }
         }
-        None
+        false
+    }
+
+    /// The line of the original that a line of the rest is, both from 1; none for a stand-in.
+    pub(super) fn original_line(&self, line: usize) -> Option<usize> {
+        if self.supplied.iter().any(|s| s.0 + 1 == line) {
+            return None;
+        }
+        Some(line - self.supplied.iter().filter(|s| s.0 + 1 < line).count())
+    }
+
+    fn line_text(&self, line: usize) -> &str {
+        self.text.lines().nth(line).unwrap_or("")
+    }
+
+    /// Puts a stand-in for `key` before a line.
+    fn supply(&mut self, line: usize, key: &str) {
+        for other in &mut self.supplied {
+            other.0 += usize::from(other.0 >= line);
+        }
+        self.supplied.push((line, key.to_owned(), 0));
+        let at: usize = self.text.split_inclusive('\n').take(line).map(str::len).sum();
+        let newline = if at > 0 && !self.text[..at].ends_with('\n') { "\n" } else { "" };
+        self.text.insert_str(at, &format!("{newline}{key} = {}\n", STAND_INS[0]));
+    }
+
+    /// Tries the next stand-in; whether there is one.
+    fn next_stand_in(&mut self, i: usize) -> bool {
+        let (line, key, used) = &mut self.supplied[i];
+        *used += 1;
+        let Some(next) = STAND_INS.get(*used) else { return false };
+        let replacement = format!("{key} = {next}");
+        let line = *line;
+        let lines: Vec<&str> = self.text.lines().collect();
+        let with = |(n, text): (usize, &&str)| if n == line { replacement.clone() } else { (*text).to_owned() };
+        self.text = lines.iter().enumerate().map(with).map(|l| l + "\n").collect();
+        true
     }
 
     /// The line of a dotted key, if the file has it.
-    #[must_use]
-    pub fn line_of(&self, dotted: &str) -> Option<usize> {
+    pub(super) fn line_of(&self, dotted: &str) -> Option<usize> {
         let root = DeTable::parse(&self.original).ok()?;
         let mut table = root.get_ref();
         let mut line = None;
@@ -109,7 +152,7 @@ impl Source {
         } else {
             format!("found `{}`: {message}", found.trim())
         };
-        Finding { line: Some(line - self.supplied), column: Some(column), message }
+        Finding { line: self.original_line(line), column: Some(column), message }
     }
 
     /// Everything that belongs to the innermost entry around `span`: its key, value and, if it is
@@ -153,10 +196,6 @@ impl Source {
         }
         self.text = String::from_utf8_lossy(&bytes).into_owned();
         changed
-    }
-
-    fn supplied_bytes(&self) -> usize {
-        self.text.split_inclusive('\n').take(self.supplied).map(str::len).sum()
     }
 }
 

@@ -72,7 +72,7 @@ pub struct ControllerArgs {
     #[arg(long, default_value = "barc", value_name = "NAME|FILE")]
     pub car: String,
     /// Track: a name or a file
-    #[arg(long, default_value = "l_track", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "l", value_name = "NAME|FILE")]
     pub track: String,
     /// What is learned: the nominal model's error, the whole velocity rows, or nothing
     #[arg(long, value_enum, value_name = "MODE")]

@@ -29,6 +29,9 @@ pub struct StudyArgs {
     /// Runs at the same time; by default one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: Option<u32>,
+    /// Run everything again, also what an earlier start has finished
+    #[arg(long)]
+    pub fresh: bool,
     /// Folder for the results; by default out/study-NAME
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -5,8 +5,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::record::{LapRow, StepRow, action_word, kind_word, reason_word};
+use super::record::{LapRow, StepRow};
 use super::timing::StepTime;
+use super::words::{action_word, kind_word, reason_word};
 
 const LAPS: &str = "lap,kind,iteration,lap_time_s,valid,v_max_mps,v_mean_mps,e_y_max_m,\
 alpha_f_max_rad,alpha_r_max_rad,steps,fallbacks,clipped,data_support_min,data_support_mean,\

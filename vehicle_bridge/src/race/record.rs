@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use controller::{Action, LapKind, LapResult, Reason, Status};
+use controller::{Action, LapKind, LapResult, Status};
 use vehicle_model::{GlobalState, Input, State};
 
 /// One control step.
@@ -190,44 +190,6 @@ impl fmt::Display for Failure {
             n => write!(f, " in learning lap {n}")?,
         }
         write!(f, " at s = {:.2} m, e_y = {:.3} m, after {:.1} s", self.s, self.e_y, self.time)
-    }
-}
-
-/// The word of an action in CSV and JSON.
-#[must_use]
-pub fn action_word(action: Action) -> &'static str {
-    match action {
-        Action::WarmUp => "warm_up",
-        Action::Learned => "learned",
-        Action::ShiftedPlan => "shifted_plan",
-        Action::Tracking => "tracking",
-        Action::Braking => "braking",
-    }
-}
-
-/// The word of a reason in CSV and JSON; empty for none.
-#[must_use]
-pub fn reason_word(reason: Reason) -> &'static str {
-    match reason {
-        Reason::None => "",
-        Reason::SolverFailed => "solver_failed",
-        Reason::NonFinite => "non_finite",
-        Reason::TimeNotAdvancing => "time_not_advancing",
-        Reason::TimeGap => "time_gap",
-        Reason::Jump => "jump",
-        Reason::OffTrack => "off_track",
-        Reason::WrongWay => "wrong_way",
-        Reason::Standstill => "standstill",
-        Reason::NoSafeSet => "no_safe_set",
-    }
-}
-
-/// The word of a lap's kind.
-#[must_use]
-pub fn kind_word(kind: LapKind) -> &'static str {
-    match kind {
-        LapKind::Warmup => "warmup",
-        LapKind::Learning => "learning",
     }
 }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use crate::cli::StudyName;
+use crate::race::words::model_word;
 use crate::settings::Layers;
 
 /// A study as its file describes it.
@@ -133,10 +134,7 @@ impl Definition {
             layers.set(assignment)?;
         }
         let config = layers.build()?;
-        let nominal = match config.nominal.model {
-            controller::config::NominalModel::Dynamic => "dynamic",
-            controller::config::NominalModel::Kinematic => "kinematic",
-        };
+        let nominal = model_word(config.nominal.model);
         let cell = Cell {
             regression: regression.to_owned(),
             nominal: nominal.to_owned(),
