@@ -8,6 +8,7 @@ pub mod load;
 mod plant;
 pub mod record;
 mod rule;
+mod stopgap;
 pub mod timing;
 pub mod words;
 
@@ -15,7 +16,7 @@ use std::sync::Arc;
 
 use controller::{Action, Config, ConfigError, Controller, LapKind, Measurement, Pose, Status};
 use vehicle_model::{
-    CarParams, Discretized, Input, Model, ModelKind, Plant, SlipAngles, State, Track,
+    CarParams, Discretized, Input, Model, ModelKind, SlipAngles, State, Track,
 };
 
 pub use plant::PlantSettings;
@@ -73,7 +74,7 @@ pub struct Race {
     options: RaceOptions,
     rule: FailureRule,
     controller: Controller,
-    plant: Plant,
+    plant: stopgap::Plant,
     exact: Discretized,
     time: f64,
     lap_start: f64,
@@ -108,7 +109,7 @@ impl Race {
                 dt: config.horizon.period,
                 substeps: config.horizon.substeps,
             },
-            plant: plant.build(Arc::clone(track), start, options.seed),
+            plant: stopgap::Plant::new(plant.car.clone(), Arc::clone(track), start, config.horizon.period),
             controller,
             time: 0.0,
             lap_start: 0.0,

@@ -34,6 +34,7 @@ pub struct Track {
     widths: Widths,
     length: f64,
     max_abs_kappa: f64,
+    min_width: f64,
     max_width: f64,
     fingerprint: u64,
 }
@@ -81,8 +82,9 @@ impl Track {
             hash = hash.with(&[span.s, left, right, l_slope, r_slope]);
         }
         let name = name.to_owned();
-        let max_width = widths.largest();
-        Self { name, path, widths, length, max_abs_kappa, max_width, fingerprint: hash.finish() }
+        let (min_width, max_width) = widths.range();
+        let fingerprint = hash.finish();
+        Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
     }
 
     /// Name of the track.
@@ -131,6 +133,12 @@ impl Track {
     #[must_use]
     pub fn width_right(&self, s: f64) -> f64 {
         self.widths.at(self.wrap(s)).1
+    }
+
+    /// Width from edge to edge at the narrowest place [m].
+    #[must_use]
+    pub fn narrowest(&self) -> f64 {
+        self.min_width
     }
 
     /// Point of the centre line at s [m].

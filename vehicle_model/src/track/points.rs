@@ -140,7 +140,7 @@ pub(super) fn build(
     problems.extend(crossing::find(
         &path,
         path.start_of(last) + path.length_of(last),
-        widths.largest(),
+        widths.range().1,
     ));
     if problems.is_empty() { Ok(Track::assemble(name, path, widths)) } else { Err(problems) }
 }

@@ -89,7 +89,7 @@ pub(super) fn build(
     }
     let (path, widths) = (Path::Arcs(arcs), Widths::new(spans));
     if problems.is_empty() {
-        problems = crossing::find(&path, s, widths.largest());
+        problems = crossing::find(&path, s, widths.range().1);
     }
     if problems.is_empty() { Ok(Track::assemble(name, path, widths)) } else { Err(problems) }
 }

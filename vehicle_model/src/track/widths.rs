@@ -46,14 +46,15 @@ impl Widths {
         &self.spans
     }
 
-    /// Largest distance from edge to edge [m].
-    pub(super) fn largest(&self) -> f64 {
+    /// Least and largest distance from edge to edge [m].
+    pub(super) fn range(&self) -> (f64, f64) {
         let ends = self.spans.iter().zip(self.spans.iter().skip(1)).map(|(span, next)| {
-            let d = next.s - span.s;
-            span.start.0 + span.start.1 + (span.slope.0 + span.slope.1).max(0.0) * d
+            span.start.0 + span.start.1 + (span.slope.0 + span.slope.1) * (next.s - span.s)
         });
         let starts = self.spans.iter().map(|span| span.start.0 + span.start.1);
-        ends.chain(starts).fold(0.0, f64::max)
+        ends.chain(starts).fold((f64::INFINITY, 0.0), |(least, largest), width| {
+            (width.min(least), width.max(largest))
+        })
     }
 
     /// Distances (left, right) to the edges at s in [0, L) [m].
