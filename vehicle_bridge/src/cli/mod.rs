@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-pub use race::RaceArgs;
+pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
 const EXIT_CODES: &str = "\

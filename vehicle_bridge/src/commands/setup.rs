@@ -2,9 +2,10 @@
 
 use anyhow::{Result, bail};
 use controller::Config;
+use vehicle_model::PlantParams;
 
 use crate::cli::ControllerArgs;
-use crate::race::{ModelErrorAt, PlantSettings, RaceOptions, load};
+use crate::race::{ModelErrorAt, RaceOptions, change_plant, load};
 use crate::settings::{Layers, Usage};
 
 /// The small car drives with less grip than its controller is told (the paper's mismatch).
@@ -15,8 +16,8 @@ const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
 pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
     let car = load::car(&args.car)?;
     let track = load::track(&args.track)?;
-    let mut plant = PlantSettings::new(car.clone());
-    plant.change(&args.plant)?;
+    let mut plant = PlantParams::new(car.clone());
+    change_plant(&mut plant, &args.plant)?;
     let default_mu = (args.car == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
     let nominal = match args.nominal_mu.or(default_mu) {
         Some(mu) if !(mu > 0.0 && mu.is_finite()) => {

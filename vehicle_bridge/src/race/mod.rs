@@ -8,7 +8,6 @@ pub mod load;
 mod plant;
 pub mod record;
 mod rule;
-mod stopgap;
 pub mod timing;
 pub mod words;
 
@@ -16,10 +15,11 @@ use std::sync::Arc;
 
 use controller::{Action, Config, ConfigError, Controller, LapKind, Measurement, Pose, Status};
 use vehicle_model::{
-    CarParams, Discretized, Input, Model, ModelKind, SlipAngles, State, Track,
+    CarParams, Discretized, Input, Model, ModelError as PlantError, ModelKind, Plant, PlantParams,
+    SlipAngles, State, Track,
 };
 
-pub use plant::PlantSettings;
+pub use plant::change_plant;
 pub use rule::FailureRule;
 
 use record::{Failure, LapRow, ModelError, StepRow};
@@ -34,6 +34,17 @@ pub enum ModelErrorAt {
     Plan,
 }
 
+/// Why a race cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum RaceError {
+    /// The controller refuses its configuration.
+    #[error(transparent)]
+    Controller(#[from] ConfigError),
+    /// The simulated car cannot be built.
+    #[error("the simulated car: {0}")]
+    Plant(#[from] PlantError),
+}
+
 /// Everything a race is made of.
 #[derive(Debug, Clone)]
 pub struct RaceOptions {
@@ -42,7 +53,7 @@ pub struct RaceOptions {
     /// The car the controller believes in.
     pub nominal: CarParams,
     /// The simulated car.
-    pub plant: PlantSettings,
+    pub plant: PlantParams,
     /// The track.
     pub track: Arc<Track>,
     /// Learning laps to drive.
@@ -60,7 +71,7 @@ impl RaceOptions {
         Self {
             config,
             nominal: car.clone(),
-            plant: PlantSettings::new(car),
+            plant: PlantParams::new(car),
             track,
             laps: 20,
             seed: 0,
@@ -74,7 +85,7 @@ pub struct Race {
     options: RaceOptions,
     rule: FailureRule,
     controller: Controller,
-    plant: stopgap::Plant,
+    plant: Plant,
     exact: Discretized,
     time: f64,
     lap_start: f64,
@@ -97,8 +108,9 @@ impl Race {
     ///
     /// # Errors
     /// If configuration, car and track do not fit together.
-    pub fn new(options: RaceOptions) -> Result<Self, ConfigError> {
-        let RaceOptions { config, nominal, plant, track, .. } = &options;
+    pub fn new(options: RaceOptions) -> Result<Self, RaceError> {
+        let RaceOptions { config, nominal, track, .. } = &options;
+        let plant = PlantParams { seed: options.seed, ..options.plant.clone() };
         let controller = Controller::new(config.clone(), nominal.clone(), Arc::clone(track))?;
         let start = State { v_x: config.warm_up.speed, ..State::default() };
         let model = Model::new(ModelKind::Dynamic, plant.car.clone());
@@ -109,7 +121,7 @@ impl Race {
                 dt: config.horizon.period,
                 substeps: config.horizon.substeps,
             },
-            plant: stopgap::Plant::new(plant.car.clone(), Arc::clone(track), start, config.horizon.period),
+            plant: Plant::new(plant, Arc::clone(track), start)?,
             controller,
             time: 0.0,
             lap_start: 0.0,
@@ -162,7 +174,7 @@ impl Race {
         self.steps.push(row);
 
         let period = self.options.config.horizon.period;
-        self.plant.apply(&command.input, period);
+        self.plant.apply(command.input, period);
         // Counted, not summed: a thousand additions of 0.1 miss.
         self.time = self.steps.len() as f64 * period;
         self.judge();

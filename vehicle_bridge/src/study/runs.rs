@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use controller::{Config, ConfigError};
-use vehicle_model::{CarParams, Track};
+use controller::Config;
+use vehicle_model::{CarParams, PlantParams, Track};
 
 use super::definition::{Cell, Definition};
 use super::ledger::{RunRow, StudyLap};
 use crate::race::record::{LapRow, is_fallback};
 use crate::race::words::kind_word;
-use crate::race::{ModelErrorAt, PlantSettings, Race, RaceOptions};
+use crate::race::{ModelErrorAt, Race, RaceError, RaceOptions, change_plant};
 
 /// The iteration whose lap time the paper reports.
 const REPORTED_ITERATION: u32 = 20;
@@ -35,8 +35,8 @@ impl Plan {
     pub fn of(study: &Definition, set: &[String], seeds: u32, laps: u32) -> Result<Vec<Self>> {
         let track = Arc::new(builtin_track()?);
         let car = CarParams::builtin("barc")?;
-        let mut plant = PlantSettings::new(car.clone());
-        plant.change(&study.plant)?;
+        let mut plant = PlantParams::new(car.clone());
+        change_plant(&mut plant, &study.plant)?;
         let nominal = car.with_mu(study.nominal_mu);
         let mut plans = Vec::new();
         for (cell, config) in study.cells(set)? {
@@ -112,7 +112,7 @@ fn fingerprint(options: &RaceOptions) -> String {
 ///
 /// # Errors
 /// If the settings do not fit together.
-pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), ConfigError> {
+pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
     let mut race = Race::new(plan.options.clone())?;
     race.run(|_| {});
     let learned: Vec<&LapRow> = race.laps.iter().filter(|lap| lap.is_learning()).collect();

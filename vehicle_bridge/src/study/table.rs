@@ -85,7 +85,7 @@ fn paper_text(paper: &Paper) -> String {
 #[must_use]
 pub fn text_table(summaries: &[CellSummary]) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_header([
         "regression", "rate cost", "h", "runs", "failed", "in lap", "lap 20 [s]", "range [s]",
         "best [s]", "fell back", "paper",
