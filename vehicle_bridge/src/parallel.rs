@@ -59,11 +59,16 @@ mod tests {
     fn every_job_is_done_once() {
         let jobs: Vec<usize> = (0..100).collect();
         let mut seen = vec![0; 100];
-        let run = parallel(&jobs, 3, |&j| j * j, |i, r| {
-            assert_eq!(r, i * i);
-            seen[i] += 1;
-            Ok::<(), ()>(())
-        });
+        let run = parallel(
+            &jobs,
+            3,
+            |&j| j * j,
+            |i, r| {
+                assert_eq!(r, i * i);
+                seen[i] += 1;
+                Ok::<(), ()>(())
+            },
+        );
         assert!(run.is_ok() && seen.iter().all(|&n| n == 1));
     }
 
@@ -71,10 +76,15 @@ mod tests {
     fn an_error_ends_it() {
         let jobs: Vec<usize> = (0..100).collect();
         let mut count = 0;
-        let run = parallel(&jobs, 2, |&j| j, |_, _| {
-            count += 1;
-            Err::<(), &str>("full")
-        });
+        let run = parallel(
+            &jobs,
+            2,
+            |&j| j,
+            |_, _| {
+                count += 1;
+                Err::<(), &str>("full")
+            },
+        );
         assert_eq!((run, count), (Err("full"), 1));
     }
 }

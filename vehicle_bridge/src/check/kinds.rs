@@ -11,7 +11,9 @@ use super::{Finding, Kind};
 pub(super) fn recognise(file: &str, text: &str) -> Kind {
     let keys = || {
         let lines = text.lines().map(str::trim_start).filter(|line| !line.starts_with('#'));
-        lines.map(|line| line.split(['=', ' ', ']', '.']).next().unwrap_or("").trim_matches(['[', '"']))
+        lines.map(|line| {
+            line.split(['=', ' ', ']', '.']).next().unwrap_or("").trim_matches(['[', '"'])
+        })
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
     let looks_like_toml = text

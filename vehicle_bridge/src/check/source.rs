@@ -51,7 +51,8 @@ impl Source {
             let line = position(&self.text, span.start).0 - 1;
             let done = if let Some(key) = missing_key(error.message()) {
                 let header = self.line_text(line).trim_start().starts_with('[');
-                let section = if header { self.line_text(line).trim().to_owned() } else { String::new() };
+                let section =
+                    if header { self.line_text(line).trim().to_owned() } else { String::new() };
                 findings.push(Finding {
                     line: if header { self.original_line(line + 1) } else { None },
                     column: None,
@@ -108,7 +109,9 @@ impl Source {
         let replacement = format!("{key} = {next}");
         let line = *line;
         let lines: Vec<&str> = self.text.lines().collect();
-        let with = |(n, text): (usize, &&str)| if n == line { replacement.clone() } else { (*text).to_owned() };
+        let with = |(n, text): (usize, &&str)| {
+            if n == line { replacement.clone() } else { (*text).to_owned() }
+        };
         self.text = lines.iter().enumerate().map(with).map(|l| l + "\n").collect();
         true
     }
@@ -163,8 +166,9 @@ impl Source {
         visit(root.get_ref(), &mut |key, value| {
             let own = [key.span(), value.span()];
             if own.iter().any(|r| r.start <= span.start && span.end <= r.end) {
-                let mut ranges = vec![key.span().start.min(value.span().start)
-                    ..key.span().end.max(value.span().end)];
+                let mut ranges = vec![
+                    key.span().start.min(value.span().start)..key.span().end.max(value.span().end),
+                ];
                 if let DeValue::Table(inner) = value.get_ref() {
                     visit(inner, &mut |k, v| {
                         ranges.push(k.span().start..v.span().end.max(k.span().end));

@@ -31,6 +31,7 @@ Change the simulated car that the controller does not see, as NAME=VALUE,...:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RaceArgs {
+    /// What drives, where, and what it is told.
     #[command(flatten)]
     pub controller: ControllerArgs,
     /// Laps to drive after the warm-up laps
@@ -93,6 +94,7 @@ pub struct ControllerArgs {
     /// 0.9, and the car's own for every other
     #[arg(long, value_name = "MU")]
     pub nominal_mu: Option<f64>,
+    /// Changes of the simulated car.
     #[arg(long, value_name = "NAME=VALUE,..", value_delimiter = ',', long_help = PLANT_HELP,
           help = "Change the simulated car, e.g. mu=0.7,delay=0.1 (more with --help)")]
     pub plant: Vec<String>,

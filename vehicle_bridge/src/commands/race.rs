@@ -30,7 +30,11 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut race = Race::new(options.clone())?;
     if let Some(path) = &args.load {
         learned::load(path, race.controller_mut())?;
-        talk.say(&format!("{} laps loaded from {}", race.controller().laps().len(), path.display()));
+        talk.say(&format!(
+            "{} laps loaded from {}",
+            race.controller().laps().len(),
+            path.display()
+        ));
     }
     drive(&mut race, args.json, talk)?;
     write(&args.out, &race, &options, &lead)?;

@@ -28,7 +28,8 @@ impl LapTable {
         let time = format!("{:9.3} s", result.lap_time);
         let improved = counts && before.is_none_or(|b| result.lap_time < b);
         let time = if improved { paint(BEST, &time) } else { time };
-        let best = self.best.map_or("        ".to_owned(), |b| format!("{b:7.3} s").trim_end().to_owned());
+        let best =
+            self.best.map_or("        ".to_owned(), |b| format!("{b:7.3} s").trim_end().to_owned());
         let delta = match before {
             Some(b) if counts => {
                 let delta = format!("{:+8.3}", result.lap_time - b);

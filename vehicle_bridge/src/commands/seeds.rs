@@ -88,7 +88,17 @@ fn sum_up(seed: u64, race: &Race) -> Seed {
 fn table(seeds: &[Seed]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    table.set_header(["seed", "laps", "lap 5", "lap 10", "lap 20", "last", "best", "fell back", "failure"]);
+    table.set_header([
+        "seed",
+        "laps",
+        "lap 5",
+        "lap 10",
+        "lap 20",
+        "last",
+        "best",
+        "fell back",
+        "failure",
+    ]);
     let time = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{t:.3}"));
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     for s in seeds {

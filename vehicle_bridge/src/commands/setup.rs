@@ -27,7 +27,12 @@ pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
         None => car,
     };
     let config = config(args)?;
-    Ok(RaceOptions { laps, plant, model_error: ModelErrorAt::Now, ..RaceOptions::new(config, nominal, track) })
+    Ok(RaceOptions {
+        laps,
+        plant,
+        model_error: ModelErrorAt::Now,
+        ..RaceOptions::new(config, nominal, track)
+    })
 }
 
 fn config(args: &ControllerArgs) -> Result<Config> {

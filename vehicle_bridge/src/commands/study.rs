@@ -24,26 +24,37 @@ pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
     let mut ledger = Ledger::open(&out, |run| !args.fresh && keys.contains(&run.key()))?;
     let done: Vec<_> = ledger.runs.iter().map(RunRow::key).collect();
     let missing: Vec<&Plan> = plans.iter().filter(|plan| !done.contains(&plan.key())).collect();
-    talk.say(&format!("{}: {} runs, {} kept from {}", study.title, plans.len(), done.len(), out.display()));
+    talk.say(&format!(
+        "{}: {} runs, {} kept from {}",
+        study.title,
+        plans.len(),
+        done.len(),
+        out.display()
+    ));
 
     let bar = progress(plans.len() as u64, done.len() as u64, talk);
-    let ran = parallel(&missing, threads(args.jobs), |plan| run_one(plan), |_, run| -> Result<()> {
-        let (run, laps) = run?;
-        bar.set_message(format!(
-            "{} {} h {} seed {}: {}",
-            run.regression,
-            run.control_rate_cost,
-            run.bandwidth,
-            run.seed,
-            run.itf.map_or_else(
-                || run.best_lap_s.map_or(String::new(), |b| format!("{b:.2} s")),
-                |lap| format!("failed in lap {lap}"),
-            )
-        ));
-        ledger.add(run, laps)?;
-        bar.inc(1);
-        Ok(())
-    });
+    let ran = parallel(
+        &missing,
+        threads(args.jobs),
+        |plan| run_one(plan),
+        |_, run| -> Result<()> {
+            let (run, laps) = run?;
+            bar.set_message(format!(
+                "{} {} h {} seed {}: {}",
+                run.regression,
+                run.control_rate_cost,
+                run.bandwidth,
+                run.seed,
+                run.itf.map_or_else(
+                    || run.best_lap_s.map_or(String::new(), |b| format!("{b:.2} s")),
+                    |lap| format!("failed in lap {lap}"),
+                )
+            ));
+            ledger.add(run, laps)?;
+            bar.inc(1);
+            Ok(())
+        },
+    );
     bar.finish_and_clear();
     ran?;
     ledger.sort(&keys)?;

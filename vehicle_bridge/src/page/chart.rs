@@ -47,7 +47,14 @@ impl Series {
     #[must_use]
     pub fn new(label: &str, class: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
         let label = label.to_owned();
-        Self { title: label.clone(), label: Some(label), class: class.into(), lap: None, mark, points }
+        Self {
+            title: label.clone(),
+            label: Some(label),
+            class: class.into(),
+            lap: None,
+            mark,
+            points,
+        }
     }
 }
 
@@ -209,7 +216,8 @@ fn draw(series: &Series, frame: &Frame, out: &mut String) {
     let lap = series.lap.map(|lap| format!(" data-lap=\"{lap}\"")).unwrap_or_default();
     let _ = write!(out, "<g class=\"series\"{lap}><title>{}</title>", escape(&series.title));
     if matches!(series.mark, Mark::Line | Mark::DotLine) {
-        let _ = write!(out, "<path class=\"line {}\" d=\"{}\"/>", series.class, path(series, frame));
+        let _ =
+            write!(out, "<path class=\"line {}\" d=\"{}\"/>", series.class, path(series, frame));
     }
     let low = frame.height - BOTTOM;
     for &(x, y) in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {

@@ -51,8 +51,7 @@ impl Scale {
     /// Where a number lies: 0 at the axis's beginning, 1 at its end.
     #[must_use]
     pub fn part(&self, value: f64) -> f64 {
-        let value =
-            if self.kind == Kind::Log { value.max(10f64.powf(self.least)) } else { value };
+        let value = if self.kind == Kind::Log { value.max(10f64.powf(self.least)) } else { value };
         (forward(self.kind, value) - self.least) / (self.most - self.least)
     }
 
@@ -102,7 +101,11 @@ fn label(at: f64, step: f64) -> String {
 fn power_label(exponent: f64) -> String {
     if (-3.0..=3.0).contains(&exponent) {
         let value = 10f64.powf(exponent);
-        if exponent < 0.0 { format!("{value:.*}", -exponent as usize) } else { format!("{value:.0}") }
+        if exponent < 0.0 {
+            format!("{value:.*}", -exponent as usize)
+        } else {
+            format!("{value:.0}")
+        }
     } else {
         format!("1e{exponent:.0}")
     }

@@ -196,9 +196,8 @@ impl Race {
         let x = self.plant.truth();
         let car = &self.options.plant.car;
         let slip = SlipAngles::new(&x, &self.plant.applied(), car);
-        let share = |tyre: &vehicle_model::Tyre, alpha: f64| {
-            (tyre.c * (tyre.b * alpha.abs()).atan()).sin()
-        };
+        let share =
+            |tyre: &vehicle_model::Tyre, alpha: f64| (tyre.c * (tyre.b * alpha.abs()).atan()).sin();
         StepRow {
             time: self.time,
             x,

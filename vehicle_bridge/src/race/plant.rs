@@ -5,7 +5,8 @@ use vehicle_model::PlantParams;
 use crate::settings::Usage;
 
 /// Names that may be changed, for messages.
-const NAMES: &str = "mu, mu_f, mu_r, mass, iz, b_f, c_f, b_r, c_r, drag, delay, lag, noise, disturb";
+const NAMES: &str =
+    "mu, mu_f, mu_r, mass, iz, b_f, c_f, b_r, c_r, drag, delay, lag, noise, disturb";
 
 /// Sensor noise of velocities is this many times that of position and heading: they come from
 /// differences of poses over a tenth of a second.

@@ -92,7 +92,12 @@ pub struct LapRow {
 impl LapRow {
     /// Sums up the steps of a lap.
     #[must_use]
-    pub fn new(result: LapResult, iteration: Option<u32>, grip: [f64; 2], steps: &[StepRow]) -> Self {
+    pub fn new(
+        result: LapResult,
+        iteration: Option<u32>,
+        grip: [f64; 2],
+        steps: &[StepRow],
+    ) -> Self {
         let all = |f: fn(&StepRow) -> f64| steps.iter().map(f).collect::<Vec<f64>>();
         let learned: Vec<&Status> =
             steps.iter().map(|r| &r.status).filter(|s| s.action == Action::Learned).collect();

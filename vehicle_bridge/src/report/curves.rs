@@ -10,7 +10,7 @@ use crate::race::timing::{PHASES, StepTime, percentile};
 
 /// Lap time over laps, with the best so far and what is known to be possible.
 #[must_use]
-pub fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
+pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
     let mut chart = Chart::new("lap", "lap time [s]");
     let points = |keep: fn(&LapRow) -> bool| -> Vec<(f64, f64)> {
         let kept = laps.iter().filter(|lap| keep(lap));
@@ -34,8 +34,9 @@ pub fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
 
 /// Learned laps only: what the warm-up laps' scale hides.
 #[must_use]
-pub fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> Option<String> {
-    let learned: Vec<LapRow> = laps.iter().filter(|lap| lap.is_learning()).skip(2).cloned().collect();
+pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> Option<String> {
+    let learned: Vec<LapRow> =
+        laps.iter().filter(|lap| lap.is_learning()).skip(2).cloned().collect();
     (learned.len() > 3).then(|| {
         let mut chart = Chart::new("lap", "lap time [s]");
         let points = learned.iter().map(|l| (f64::from(l.result.lap), l.result.lap_time)).collect();
@@ -50,21 +51,31 @@ pub fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> Option<S
 
 /// Error of the learned model over laps.
 #[must_use]
-pub fn model_error(laps: &[LapRow]) -> String {
+pub(super) fn model_error(laps: &[LapRow]) -> String {
     let mut chart = Chart::new("lap", "|A_learned - A_car| (Frobenius)");
     let over = |value: fn(&LapRow) -> f64| {
         let learned = laps.iter().filter(|lap| lap.is_learning());
         learned.map(|lap| (f64::from(lap.result.lap), value(lap))).collect::<Vec<_>>()
     };
     chart.y_kind = Kind::Log;
-    chart.series.push(Series::new("median of the lap", "s0", Mark::DotLine, over(|l| l.model_error_median)));
-    chart.series.push(Series::new("mean of the lap", "s1 dashed", Mark::Line, over(|l| l.model_error_mean)));
+    chart.series.push(Series::new(
+        "median of the lap",
+        "s0",
+        Mark::DotLine,
+        over(|l| l.model_error_median),
+    ));
+    chart.series.push(Series::new(
+        "mean of the lap",
+        "s1 dashed",
+        Mark::Line,
+        over(|l| l.model_error_mean),
+    ));
     chart.html()
 }
 
 /// Something along the lap, for every lap, hidden and shown by the lap chooser.
 #[must_use]
-pub fn along(
+pub(super) fn along(
     laps: &[LapView<'_>],
     y_label: &str,
     value: impl Fn(&StepRow) -> f64,
@@ -97,7 +108,7 @@ pub fn along(
 
 /// Slip-guard limits as reference lines.
 #[must_use]
-pub fn guards(config: &Config) -> Vec<Reference> {
+pub(super) fn guards(config: &Config) -> Vec<Reference> {
     let (front, rear) = (config.limits.front_slip, config.limits.rear_slip);
     let mut lines = Vec::new();
     if front > 0.0 {
@@ -111,7 +122,7 @@ pub fn guards(config: &Config) -> Vec<Reference> {
 
 /// Histogram of the step times.
 #[must_use]
-pub fn step_times(times: &[StepTime]) -> String {
+pub(super) fn step_times(times: &[StepTime]) -> String {
     let mut totals: Vec<f64> = times.iter().map(|t| t.total * 1e3).collect();
     totals.sort_by(f64::total_cmp);
     let top = percentile(&totals, 0.995).max(1e-3);
@@ -135,7 +146,7 @@ pub fn step_times(times: &[StepTime]) -> String {
 
 /// Percentiles of the step times by phase, as rows of a table.
 #[must_use]
-pub fn step_table(times: &[StepTime]) -> Vec<Vec<String>> {
+pub(super) fn step_table(times: &[StepTime]) -> Vec<Vec<String>> {
     let row = |name: &str, mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
         let mut cells = vec![name.to_owned()];

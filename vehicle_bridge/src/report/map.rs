@@ -25,17 +25,17 @@ const EDGE_POINTS: usize = 600;
 
 /// Speeds at the ends of the colour bar [m/s].
 #[derive(Debug, Clone, Copy)]
-pub struct SpeedRange {
+pub(super) struct SpeedRange {
     /// Slowest.
-    pub least: f64,
+    least: f64,
     /// Fastest.
-    pub most: f64,
+    most: f64,
 }
 
 impl SpeedRange {
     /// Of some steps.
     #[must_use]
-    pub fn of(steps: &[StepRow]) -> Self {
+    pub(super) fn of(steps: &[StepRow]) -> Self {
         let speeds = || steps.iter().map(|r| r.x.v_x).filter(|v| v.is_finite());
         let least = speeds().fold(f64::INFINITY, f64::min).max(0.0);
         let most = speeds().fold(0.0, f64::max);
@@ -50,7 +50,7 @@ impl SpeedRange {
 
 /// The map as HTML with its colour bar.
 #[must_use]
-pub fn map(
+pub(super) fn map(
     track: &Track,
     laps: &[LapView<'_>],
     optimal: Option<&Optimal>,
@@ -82,18 +82,12 @@ pub fn map(
     let _ = writeln!(out, "<path class=\"centre\" d=\"{}Z\"/>", d(&centre));
     start(track, bounds.size(), &mut out);
     for lap in laps {
-        let _ = write!(
-            out,
-            "<g data-lap=\"{}\"><title>{}</title>",
-            lap.number,
-            escape(&lap.title)
-        );
+        let _ = write!(out, "<g data-lap=\"{}\"><title>{}</title>", lap.number, escape(&lap.title));
         coloured(lap.steps, &range, &mut out);
         out.push_str("</g>\n");
     }
     if let Some(optimal) = optimal {
-        let line: Vec<(f64, f64)> =
-            optimal.points.iter().map(|p| at(track, p[0], p[2])).collect();
+        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[2])).collect();
         let _ = writeln!(
             out,
             "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
@@ -131,14 +125,20 @@ fn d(points: &[(f64, f64)]) -> String {
 
 /// The line and arrows that show where and in which direction a lap begins.
 fn start(track: &Track, size: f64, out: &mut String) {
-    let (left, right) = (at(track, 0.0, track.width_left(0.0)), at(track, 0.0, -track.width_right(0.0)));
-    let _ = writeln!(out, "<path class=\"start\" d=\"{}\"><title>start and finish</title></path>", d(&[left, right]));
+    let (left, right) =
+        (at(track, 0.0, track.width_left(0.0)), at(track, 0.0, -track.width_right(0.0)));
+    let _ = writeln!(
+        out,
+        "<path class=\"start\" d=\"{}\"><title>start and finish</title></path>",
+        d(&[left, right])
+    );
     for quarter in 0..4 {
         let s = track.length() * (f64::from(quarter) / 4.0 + 0.02);
         let width = track.width_right(s);
         let reach = (0.012 * size).min(0.6 * width);
         let tip = at(track, s + reach, -0.6 * width);
-        let wings = [at(track, s, -0.6 * width + 0.5 * reach), at(track, s, -0.6 * width - 0.5 * reach)];
+        let wings =
+            [at(track, s, -0.6 * width + 0.5 * reach), at(track, s, -0.6 * width - 0.5 * reach)];
         let _ = writeln!(out, "<path class=\"arrow\" d=\"{}Z\"/>", d(&[tip, wings[0], wings[1]]));
     }
 }

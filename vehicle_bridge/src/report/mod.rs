@@ -99,8 +99,16 @@ impl Report<'_> {
         body.push_str(&self.step_times());
         let note = "Every step that did not apply the optimal plan, or whose input was cut, and \
                     every soft limit that gave way.";
-        body.push_str(&card("Clipped and fallen back", note, &tables::events(self.laps, self.steps)));
-        body.push_str(&card("Laps", "", &format!("<div class=\"wide\">{}</div>", tables::laps(self.laps))));
+        body.push_str(&card(
+            "Clipped and fallen back",
+            note,
+            &tables::events(self.laps, self.steps),
+        ));
+        body.push_str(&card(
+            "Laps",
+            "",
+            &format!("<div class=\"wide\">{}</div>", tables::laps(self.laps)),
+        ));
         body.push_str(&self.settings());
         let title = format!("{} on {}", self.car, self.track.name());
         page(&title, self.lead, &body, include_str!("report.js"))
@@ -161,7 +169,11 @@ impl Report<'_> {
         let cards: String = facts
             .iter()
             .map(|(value, text, tone)| {
-                format!("<div class=\"fact {tone}\"><b>{}</b><span>{}</span></div>\n", escape(value), escape(text))
+                format!(
+                    "<div class=\"fact {tone}\"><b>{}</b><span>{}</span></div>\n",
+                    escape(value),
+                    escape(text)
+                )
             })
             .collect();
         format!("<div class=\"facts\">\n{cards}</div>\n")
@@ -198,7 +210,8 @@ impl Report<'_> {
 
     fn settings(&self) -> String {
         let text = toml::to_string(self.config).unwrap_or_default();
-        let content = format!("<details><summary>Show</summary><pre>{}</pre></details>\n", escape(&text));
+        let content =
+            format!("<details><summary>Show</summary><pre>{}</pre></details>\n", escape(&text));
         card("Configuration", "", &content)
     }
 }
@@ -219,7 +232,11 @@ fn chooser(views: &[LapView<'_>]) -> String {
         let _ = write!(
             buttons,
             "<button{best} data-choose=\"{}\" data-kind=\"{}\" aria-pressed=\"{}\" title=\"{}\">{} · {time}</button>",
-            view.number, view.kind, view.shown, escape(&view.title), view.number
+            view.number,
+            view.kind,
+            view.shown,
+            escape(&view.title),
+            view.number
         );
     }
     format!(

@@ -14,11 +14,23 @@ const MOST_ROWS: usize = 200;
 
 /// One row a lap.
 #[must_use]
-pub fn laps(laps: &[LapRow]) -> String {
+pub(super) fn laps(laps: &[LapRow]) -> String {
     let head = [
-        "lap", "kind", "lap time [s]", "valid", "v max [m/s]", "|e_y| max [m]", "|alpha_f| max",
-        "|alpha_r| max", "model error", "data support", "iterations", "grip f", "grip r",
-        "fell back", "clipped",
+        "lap",
+        "kind",
+        "lap time [s]",
+        "valid",
+        "v max [m/s]",
+        "|e_y| max [m]",
+        "|alpha_f| max",
+        "|alpha_r| max",
+        "model error",
+        "data support",
+        "iterations",
+        "grip f",
+        "grip r",
+        "fell back",
+        "clipped",
     ];
     let rows: Vec<Vec<String>> = laps
         .iter()
@@ -47,10 +59,15 @@ pub fn laps(laps: &[LapRow]) -> String {
 
 /// What fell back, what was cut, and which soft limits gave way, lap by lap and step by step.
 #[must_use]
-pub fn events(laps: &[LapRow], steps: &[StepRow]) -> String {
+pub(super) fn events(laps: &[LapRow], steps: &[StepRow]) -> String {
     let head = [
-        "lap", "fell back", "clipped", "lane slack max [m]", "front slip slack [rad]",
-        "rear slip slack [rad]", "unsupported steps",
+        "lap",
+        "fell back",
+        "clipped",
+        "lane slack max [m]",
+        "front slip slack [rad]",
+        "rear slip slack [rad]",
+        "unsupported steps",
     ];
     let last = steps.last().map_or(0, |r| r.status.lap);
     let first = steps.first().map_or(1, |r| r.status.lap);
@@ -71,7 +88,9 @@ pub fn events(laps: &[LapRow], steps: &[StepRow]) -> String {
             .count();
         if fell + clipped + unsupported > 0 || slack.iter().any(|&s| s > SLACK_SHOWN) {
             let mut row = vec![lap.to_string(), fell.to_string(), clipped.to_string()];
-            row.extend(slack.iter().map(|s| if *s > SLACK_SHOWN { format!("{s:.3}") } else { "–".into() }));
+            row.extend(
+                slack.iter().map(|s| if *s > SLACK_SHOWN { format!("{s:.3}") } else { "–".into() }),
+            );
             row.push(unsupported.to_string());
             rows.push(row);
         }

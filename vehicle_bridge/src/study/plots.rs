@@ -16,11 +16,21 @@ pub fn page(
     laps: &[StudyLap],
 ) -> String {
     let head = [
-        "regression", "rate cost", "h", "runs", "failed", "in lap", "lap 20 [s]", "range [s]",
-        "best [s]", "fell back", "paper",
+        "regression",
+        "rate cost",
+        "h",
+        "runs",
+        "failed",
+        "in lap",
+        "lap 20 [s]",
+        "range [s]",
+        "best [s]",
+        "fell back",
+        "paper",
     ];
     let rows: Vec<Vec<String>> = summaries.iter().map(cells_of).collect();
-    let mut body = card("Beside the paper", "", &format!("<div class=\"wide\">{}</div>", table(&head, &rows)));
+    let mut body =
+        card("Beside the paper", "", &format!("<div class=\"wide\">{}</div>", table(&head, &rows)));
     for regression in &study.regressions {
         let own: Vec<&CellSummary> =
             summaries.iter().filter(|s| &s.cell.regression == regression).collect();
@@ -29,7 +39,14 @@ pub fn page(
         body.push_str(&card(
             &format!("Lap times, {name}"),
             note,
-            &over_iterations(&own, laps, "lap time [s]", Kind::Linear, |lap| Some(lap.lap_time_s), median),
+            &over_iterations(
+                &own,
+                laps,
+                "lap time [s]",
+                Kind::Linear,
+                |lap| Some(lap.lap_time_s),
+                median,
+            ),
         ));
         body.push_str(&card(
             &format!("Runs still on the track, {name}"),
@@ -81,7 +98,12 @@ fn over_iterations(
                 (f64::from(iteration), middle(&mut values))
             })
             .collect();
-        chart.series.push(Series::new(&label(&summary.cell), &format!("s{}", i % 6), Mark::DotLine, points));
+        chart.series.push(Series::new(
+            &label(&summary.cell),
+            &format!("s{}", i % 6),
+            Mark::DotLine,
+            points,
+        ));
     }
     chart.html()
 }
@@ -98,7 +120,12 @@ fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> Stri
                 (f64::from(iteration), done as f64 / own.len().max(1) as f64)
             })
             .collect();
-        chart.series.push(Series::new(&label(&summary.cell), &format!("s{}", i % 6), Mark::Line, points));
+        chart.series.push(Series::new(
+            &label(&summary.cell),
+            &format!("s{}", i % 6),
+            Mark::Line,
+            points,
+        ));
     }
     chart.html()
 }

@@ -60,7 +60,7 @@ fn of_cell(study: &Definition, cell: &Cell, runs: &[RunRow]) -> CellSummary {
 
 /// Whether a run is one of a cell.
 #[must_use]
-pub fn belongs(run: &RunRow, cell: &Cell) -> bool {
+pub(super) fn belongs(run: &RunRow, cell: &Cell) -> bool {
     run.regression == cell.regression
         && run.nominal == cell.nominal
         && run.control_rate_cost.to_bits() == cell.control_rate_cost.to_bits()
@@ -87,8 +87,17 @@ pub fn text_table(summaries: &[CellSummary]) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_header([
-        "regression", "rate cost", "h", "runs", "failed", "in lap", "lap 20 [s]", "range [s]",
-        "best [s]", "fell back", "paper",
+        "regression",
+        "rate cost",
+        "h",
+        "runs",
+        "failed",
+        "in lap",
+        "lap 20 [s]",
+        "range [s]",
+        "best [s]",
+        "fell back",
+        "paper",
     ]);
     for row in summaries.iter().map(cells_of) {
         let cells = row.into_iter().enumerate().map(|(i, text)| {
@@ -102,7 +111,7 @@ pub fn text_table(summaries: &[CellSummary]) -> String {
 
 /// The columns of a cell's row, as text.
 #[must_use]
-pub fn cells_of(s: &CellSummary) -> Vec<String> {
+pub(super) fn cells_of(s: &CellSummary) -> Vec<String> {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("–".to_owned(), |v| format!("{v:.digits$}"))
     };
