@@ -4,7 +4,7 @@ use controller::{Config, ConfigError};
 use vehicle_model::params::ParamProblem;
 use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
-use super::source::Source;
+use super::source::{Fault, Source};
 use super::{Finding, Kind};
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
@@ -16,15 +16,11 @@ pub(super) fn recognise(file: &str, text: &str) -> Kind {
         })
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
-    let looks_like_toml = text
-        .lines()
-        .map(str::trim_start)
-        .any(|line| !line.starts_with('#') && (line.starts_with('[') || line.contains('=')));
     if has(&["segment", "width_left_m", "width_right_m"]) {
         Kind::Track
     } else if has(&["mass_kg", "inertia_z_kgm2", "tyre_front", "tyre_rear"]) {
         Kind::Car
-    } else if looks_like_toml || file.ends_with(".toml") {
+    } else if is_toml(text) || file.ends_with(".toml") {
         Kind::Configuration
     } else {
         Kind::Track
@@ -83,13 +79,50 @@ pub(super) fn car(text: &str) -> Vec<Finding> {
 
 /// Problems of a track file.
 pub(super) fn track(file: &str, text: &str) -> Vec<Finding> {
-    let finding = |error: TrackError| match error {
-        TrackError::Syntax { line, column, found, expected } => Finding {
-            line: Some(line),
-            column: Some(column),
-            message: format!("{found}; expected {expected}"),
-        },
-        other => Finding::of(other.to_string()),
-    };
-    Track::check(file, text).into_iter().map(finding).collect()
+    let mut source = Source::new(text);
+    let mut findings = Vec::new();
+    if is_toml(text) {
+        // Unreadable entries come one at a time; geometry comes last and all at once.
+        let parse = |text: &str| match Track::check(file, text).first() {
+            Some(TrackError::Syntax { line, column, found, expected })
+                if expected == WHOLE_TRACK =>
+            {
+                Err(Fault { span: span_of(text, *line, *column), message: found.clone() })
+            }
+            _ => Ok(()),
+        };
+        if !source.read(&mut findings, parse) {
+            return findings;
+        }
+    }
+    let readable = findings.is_empty();
+    for error in Track::check(file, source.text()) {
+        match error {
+            TrackError::Syntax { line, column, found, expected } if readable => {
+                let message = format!("{found}; expected {expected}");
+                findings.push(Finding { line: Some(line), column: Some(column), message });
+            }
+            // Where an entry is missing the path cannot close: only the numbers count.
+            TrackError::Value { .. } => findings.push(Finding::of(error.to_string())),
+            _ if readable => findings.push(Finding::of(error.to_string())),
+            _ => {}
+        }
+    }
+    findings
+}
+
+/// What the reader of segments says it expected when it cannot read the text at all.
+const WHOLE_TRACK: &str = "a track of segments";
+
+/// From a place to the end of its line.
+fn span_of(text: &str, line: usize, column: usize) -> Option<std::ops::Range<usize>> {
+    let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+    let rest = text[start..].lines().next()?;
+    let skip: usize = rest.chars().take(column - 1).map(char::len_utf8).sum();
+    Some(start + skip..start + rest.trim_end().len().max(skip))
+}
+
+fn is_toml(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim_start);
+    lines.any(|line| !line.starts_with('#') && (line.starts_with('[') || line.contains('=')))
 }

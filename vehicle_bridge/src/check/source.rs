@@ -14,6 +14,21 @@ const MOST_FINDINGS: usize = 100;
 /// What stands in for a missing key so that reading goes on; the first that fits is taken.
 const STAND_INS: [&str; 3] = ["1.0", "\"x\"", "true"];
 
+/// What a reader says is wrong, and where in its text.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// The bytes that are wrong.
+    pub(super) span: Option<Range<usize>>,
+    /// What is wrong with them.
+    pub(super) message: String,
+}
+
+impl From<toml::de::Error> for Fault {
+    fn from(error: toml::de::Error) -> Self {
+        Self { span: error.span(), message: error.message().to_owned() }
+    }
+}
+
 /// Text with the places found wrong blanked out; lines and columns stay where they are.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
@@ -36,46 +51,55 @@ impl Source {
 
     /// Reads with `parse`, finding everything on the way that is no TOML, no key, or has the
     /// wrong type. Whether what is left can be read.
-    pub(super) fn read(
+    pub(super) fn read<E: Into<Fault>>(
         &mut self,
         findings: &mut Vec<Finding>,
-        parse: impl Fn(&str) -> Result<(), toml::de::Error>,
+        parse: impl Fn(&str) -> Result<(), E>,
     ) -> bool {
         self.syntax(findings);
         while findings.len() < MOST_FINDINGS {
             let Err(error) = parse(&self.text) else { return true };
-            let Some(span) = error.span() else {
-                findings.push(Finding::of(error.message().to_owned()));
+            let Fault { span, message } = error.into();
+            let Some(span) = span else {
+                findings.push(Finding::of(message));
                 return false;
             };
             let line = position(&self.text, span.start).0 - 1;
-            let done = if let Some(key) = missing_key(error.message()) {
-                let header = self.line_text(line).trim_start().starts_with('[');
-                let section =
-                    if header { self.line_text(line).trim().to_owned() } else { String::new() };
-                findings.push(Finding {
-                    line: if header { self.original_line(line + 1) } else { None },
-                    column: None,
-                    message: if header {
-                        format!("{section}: {}", error.message())
-                    } else {
-                        error.message().to_owned()
-                    },
-                });
-                self.supply(if header { line + 1 } else { 0 }, key);
+            let goes_on = if let Some(key) = missing_key(&message) {
+                self.missing(line, key, &message, findings);
                 true
             } else if let Some(i) = self.supplied.iter().position(|s| s.0 == line) {
                 self.next_stand_in(i)
             } else {
-                findings.push(self.finding(&span, error.message()));
+                findings.push(self.finding(&span, &message));
                 let entry = self.entry_around(&span).unwrap_or_else(|| vec![span]);
                 self.blank(&entry)
             };
-            if !done {
+            if !goes_on {
                 return false;
             }
         }
         false
+    }
+
+    /// Reports a key missing from the table that begins at `line` and puts a stand-in there.
+    fn missing(&mut self, line: usize, key: &str, message: &str, findings: &mut Vec<Finding>) {
+        let header = self.line_text(line).trim().to_owned();
+        if header.starts_with('[') {
+            let message = format!("{header}: {message}");
+            findings.push(Finding { line: self.original_line(line + 1), column: None, message });
+            self.supply(line + 1, key);
+            return;
+        }
+        // A key that was blanked out has been reported already.
+        let blanked = self.original.lines().any(|text| {
+            let rest = text.trim_start().strip_prefix(key);
+            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+        });
+        if !blanked {
+            findings.push(Finding::of(message.to_owned()));
+        }
+        self.supply(0, key);
     }
 
     /// The line of the original that a line of the rest is, both from 1; none for a stand-in.
@@ -118,12 +142,12 @@ impl Source {
 
     /// The line of a dotted key, if the file has it.
     pub(super) fn line_of(&self, dotted: &str) -> Option<usize> {
-        let root = DeTable::parse(&self.original).ok()?;
+        let root = DeTable::parse_recoverable(&self.text).0;
         let mut table = root.get_ref();
         let mut line = None;
         for part in dotted.split('.') {
             let (key, value) = table.iter().find(|(key, _)| key.get_ref() == part)?;
-            line = Some(position(&self.original, key.span().start).0);
+            line = self.original_line(position(&self.text, key.span().start).0);
             match value.get_ref() {
                 DeValue::Table(inner) => table = inner,
                 _ => break,

@@ -43,10 +43,8 @@ impl LapTable {
             kind_word(result.kind),
             lap.v_max,
             lap.e_y_max,
-            paint(WARN, &notes(lap))
+            notes(lap)
         )
-        .trim_end()
-        .to_owned()
     }
 }
 
@@ -62,5 +60,5 @@ fn notes(lap: &LapRow) -> String {
     if lap.clipped > 0 {
         notes.push(format!("{} inputs cut", lap.clipped));
     }
-    notes.join(", ")
+    if notes.is_empty() { String::new() } else { paint(WARN, &notes.join(", ")) }
 }
