@@ -143,7 +143,7 @@ impl Controller {
     /// The learned model around a point, in its parts.
     #[must_use]
     pub fn learned_model(&self, x: &State, u: &Input) -> LearnedModel {
-                let data = &self.memory.derived.regression;
+        let data = &self.memory.derived.regression;
         Workspace::model_at(&self.setup, data, x, u, &mut Default::default())
     }
 
@@ -164,7 +164,6 @@ impl Controller {
     pub fn track(&self) -> &Arc<Track> {
         &self.setup.track
     }
-
 }
 
 /// Whether the lane has room on this track.

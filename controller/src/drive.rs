@@ -11,7 +11,12 @@ use crate::status::{Action, Phase, Probe, Reason, Status};
 
 impl Controller {
     /// Drives from a believed state.
-    pub(crate) fn drive(&mut self, seen: &Observation, status: &mut Status, probe: &mut impl Probe) -> Input {
+    pub(crate) fn drive(
+        &mut self,
+        seen: &Observation,
+        status: &mut Status,
+        probe: &mut impl Probe,
+    ) -> Input {
         status.state = seen.state;
         status.finished = seen.finished;
         status.reason = seen.reason;
@@ -62,7 +67,8 @@ impl Controller {
 
     /// Tracking back to the track, or braking where that is hopeless.
     fn recover(&mut self, x: &State, status: &mut Status) -> Input {
-        let far = x.e_y.abs() > 2.0 * (self.setup.track.width_left(x.s) + self.setup.track.width_right(x.s));
+        let far = x.e_y.abs()
+            > 2.0 * (self.setup.track.width_left(x.s) + self.setup.track.width_right(x.s));
         if far || status.reason == Reason::WrongWay {
             status.action = Action::Braking;
             return self.setup.tracker.brake(x, &self.setup.track);
@@ -163,7 +169,13 @@ impl Controller {
         let car = &self.setup.car;
         let input = Input {
             a: limit(wanted.a, before.a, car.a_min, car.a_max, car.a_rate_max),
-            delta: limit(wanted.delta, before.delta, -car.delta_max, car.delta_max, car.delta_rate_max),
+            delta: limit(
+                wanted.delta,
+                before.delta,
+                -car.delta_max,
+                car.delta_max,
+                car.delta_rate_max,
+            ),
         };
         // Solvers keep bounds to their tolerance only: that is no clipping.
         let moved = (input.a - wanted.a).abs().max((input.delta - wanted.delta).abs());
@@ -176,7 +188,8 @@ impl Controller {
         let memory = &mut self.memory;
         memory.queue.push_back(input);
         let acting = memory.queue.pop_front().unwrap_or(input);
-        if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none()) {
+        if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())
+        {
             sample.u = acting;
         }
         memory.u_prev = input;
@@ -202,7 +215,11 @@ impl Controller {
         memory.plan.clear();
         memory.plan.x.push(x);
         for _ in 0..self.setup.config.horizon.steps {
-            let u = self.setup.tracker.track(&x, &self.setup.track, x_0.v_x.max(self.setup.config.warm_up.speed));
+            let u = self.setup.tracker.track(
+                &x,
+                &self.setup.track,
+                x_0.v_x.max(self.setup.config.warm_up.speed),
+            );
             x = self.setup.model.next(&x, &u, |s| self.setup.track.kappa(s));
             memory.plan.u.push(u);
             memory.plan.x.push(x);
@@ -211,5 +228,4 @@ impl Controller {
         memory.query_s = x.s;
         memory.shifted = true;
     }
-
 }

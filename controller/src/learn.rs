@@ -17,9 +17,12 @@ impl Controller {
     pub(crate) fn learn(&mut self) {
         self.memory.lap_due = false;
         let laps = &self.memory.dataset.laps;
-        if self.setup.config.nominal.adapt_grip && self.setup.config.nominal.model == NominalModel::Dynamic {
+        if self.setup.config.nominal.adapt_grip
+            && self.setup.config.nominal.model == NominalModel::Dynamic
+        {
             let recent = laps.iter().rev().flat_map(|lap| lap.samples.iter().rev());
-            self.memory.grip = grip::fit(&self.setup.model, &self.setup.track, recent.take(grip::SAMPLES));
+            self.memory.grip =
+                grip::fit(&self.setup.model, &self.setup.track, recent.take(grip::SAMPLES));
             self.setup.model.model.grip = self.memory.grip;
         }
         self.derive();
@@ -80,6 +83,10 @@ impl Controller {
     }
 
     fn identity(&self) -> Identity {
-        Identity::new(self.setup.car.fingerprint(), self.setup.track.fingerprint(), &self.setup.config)
+        Identity::new(
+            self.setup.car.fingerprint(),
+            self.setup.track.fingerprint(),
+            &self.setup.config,
+        )
     }
 }

@@ -104,8 +104,7 @@ mod tests {
     fn euler_pose_rows_agree_with_differences() {
         let step = |x: &Vector6<f64>, kappa: f64, dt: f64| {
             let x = State::from_vector(x);
-            let s_dot =
-                (x.v_x * x.e_psi.cos() - x.v_y * x.e_psi.sin()) / (1.0 - kappa * x.e_y);
+            let s_dot = (x.v_x * x.e_psi.cos() - x.v_y * x.e_psi.sin()) / (1.0 - kappa * x.e_y);
             [
                 x.e_psi + dt * (x.omega_z - kappa * s_dot),
                 x.s + dt * s_dot,

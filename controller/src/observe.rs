@@ -101,18 +101,17 @@ impl Observer<'_> {
         Observation { state, reason, finished: None, crossed: false }
     }
 
-    /// Whether the state is farther from dead reckoning than any car can drive.
+    /// Whether the state is farther from dead reckoning than any car can drive. In the global
+    /// frame: there a curvature step of the centre line makes no step.
     fn jumped(&self, last: &Last, time: f64, state: &State) -> bool {
         let dt = time - last.time;
-        let x = &last.state;
-        let (sin, cos) = x.e_psi.sin_cos();
-        let space = (1.0 - self.track.kappa(x.s) * x.e_y).max(0.2);
-        let length = self.track.length();
-        let ds = state.s - x.s - (x.v_x * cos - x.v_y * sin) / space * dt;
-        let ds = ds - length * (ds / length).round();
-        let dy = state.e_y - x.e_y - (x.v_x * sin + x.v_y * cos) * dt;
-        let driven = x.v_x.abs().max(state.v_x.abs()) * dt;
-        ds.hypot(dy) > self.jump_floor * (dt / self.config.horizon.period).max(1.0) + JUMP_SHARE * driven
+        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
+        let (sin, cos) = (from.psi + 0.5 * dt * from.omega_z).sin_cos();
+        let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
+        let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
+        let driven = dt * from.v_x.abs().max(to.v_x.abs());
+        let periods = (dt / self.config.horizon.period).max(1.0);
+        (to.x - x).hypot(to.y - y) > self.jump_floor * periods + JUMP_SHARE * driven
     }
 
     fn complete_last_sample(

@@ -5,9 +5,7 @@ use vehicle_model::{CarParams, Input, SlipAngles, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
-use crate::fhocp::{
-    ClarabelSolver, Fhocp, FhocpSolver, SlipRow, Slacks, Solution, SolveReport,
-};
+use crate::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, Slacks, SlipRow, Solution, SolveReport};
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
 use crate::learning::safe_set::{Query, SafeSet};
@@ -159,8 +157,7 @@ impl Workspace {
     ) -> LearnedModel {
         let mode = setup.config.regression.mode;
         let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
-        let (error, support) =
-            learned_model::error(data, &setup.config.regression, x, u, scratch);
+        let (error, support) = learned_model::error(data, &setup.config.regression, x, u, scratch);
         LearnedModel { nominal, error, support }
     }
 }

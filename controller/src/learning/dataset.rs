@@ -89,10 +89,10 @@ impl Dataset {
         if let Some(sample) = own.get(i) {
             return Some(Seen { sample, offset: 0.0 });
         }
-        let (behind, follows) = self.laps.get(lap + 1).map_or(
-            (&self.current.samples, self.current.follows),
-            |next| (&next.samples, next.follows),
-        );
+        let (behind, follows) =
+            self.laps.get(lap + 1).map_or((&self.current.samples, self.current.follows), |next| {
+                (&next.samples, next.follows)
+            });
         if !follows {
             return None;
         }

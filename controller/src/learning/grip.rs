@@ -35,8 +35,7 @@ pub(crate) fn fit<'a>(
         let mut gradient = (Vector2::repeat(1.0) - grip) * PULL;
         for sample in samples.clone() {
             let Some(measured) = sample.next else { continue };
-            let (next, jacobian) =
-                model.grip_jacobian(&sample.x, &sample.u, |s| track.kappa(s));
+            let (next, jacobian) = model.grip_jacobian(&sample.x, &sample.u, |s| track.kappa(s));
             for row in 0..3 {
                 let r = (measured[row] - next[row]) / SCALES[row];
                 let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / SCALES[row];
@@ -49,8 +48,7 @@ pub(crate) fn fit<'a>(
             }
         }
         let Some(step) = hessian.cholesky().map(|factor| factor.solve(&gradient)) else { break };
-        model.model.grip =
-            [0, 1].map(|i| (grip[i] + step[i]).clamp(RANGE.0, RANGE.1));
+        model.model.grip = [0, 1].map(|i| (grip[i] + step[i]).clamp(RANGE.0, RANGE.1));
         if step.amax() < DONE {
             break;
         }

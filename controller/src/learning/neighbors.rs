@@ -33,7 +33,13 @@ impl Tree {
 
     /// The `count` nearest points with squared distance below `limit`, into `found`, in no
     /// particular order.
-    pub(crate) fn nearest(&self, query: &Point, count: usize, limit: f64, found: &mut Vec<Neighbor>) {
+    pub(crate) fn nearest(
+        &self,
+        query: &Point,
+        count: usize,
+        limit: f64,
+        found: &mut Vec<Neighbor>,
+    ) {
         found.clear();
         let mut search = Search { query, count, limit, found };
         search.range(&self.points, &self.axes);
@@ -52,9 +58,8 @@ fn split(points: &mut [(Point, u32)], axes: &mut [u8]) {
     }
     let axis = widest(points);
     let middle = points.len() / 2;
-    points.select_nth_unstable_by(middle, |a, b| {
-        a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1))
-    });
+    points
+        .select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
     // DIMENSIONS fits any integer.
     axes[middle] = axis as u8;
     let (below, rest) = points.split_at_mut(middle);
@@ -67,9 +72,8 @@ fn split(points: &mut [(Point, u32)], axes: &mut [u8]) {
 fn widest(points: &[(Point, u32)]) -> usize {
     let spread = |axis: usize| {
         let values = points.iter().map(|p| p.0[axis]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         high - low
     };
     (0..DIMENSIONS).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0)
@@ -111,8 +115,7 @@ impl Search<'_> {
     }
 
     fn consider(&mut self, point: &(Point, u32)) {
-        let squared: f64 =
-            point.0.iter().zip(self.query).map(|(p, q)| (p - q) * (p - q)).sum();
+        let squared: f64 = point.0.iter().zip(self.query).map(|(p, q)| (p - q) * (p - q)).sum();
         let candidate = (squared, point.1);
         if squared >= self.limit {
             return;
@@ -146,8 +149,11 @@ impl Search<'_> {
                 break;
             }
             let right = left + 1;
-            let child =
-                if right < n && order(&self.found[right], &self.found[left]).is_gt() { right } else { left };
+            let child = if right < n && order(&self.found[right], &self.found[left]).is_gt() {
+                right
+            } else {
+                left
+            };
             if order(&self.found[child], &self.found[i]).is_le() {
                 break;
             }
@@ -177,7 +183,9 @@ mod tests {
                     let mut scan: Vec<Neighbor> = points
                         .iter()
                         .zip(0..)
-                        .map(|(p, i)| (p.iter().zip(&query).map(|(p, q)| (p - q) * (p - q)).sum(), i))
+                        .map(|(p, i)| {
+                            (p.iter().zip(&query).map(|(p, q)| (p - q) * (p - q)).sum(), i)
+                        })
                         .filter(|(squared, _)| *squared < limit)
                         .collect();
                     scan.sort_unstable_by(order);

@@ -53,7 +53,14 @@ impl SafeSet {
     }
 
     /// Takes the samples nearest to the query's s from one lap, both ways from the nearest.
-    fn take_from(&mut self, data: &Dataset, lap: usize, query: &Query, neighbors: usize, shift: f64) {
+    fn take_from(
+        &mut self,
+        data: &Dataset,
+        lap: usize,
+        query: &Query,
+        neighbors: usize,
+        shift: f64,
+    ) {
         let see = |index: isize| data.seen_from(lap, index, query.length);
         let distance = |seen: &Seen| (seen.sample.x.s + seen.offset - query.s).abs();
         let own = &data.laps[lap].samples;

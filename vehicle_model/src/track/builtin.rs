@@ -3,7 +3,10 @@
 use super::Track;
 
 /// Name and text of each.
-const BUILTIN: [(&str, &str); 1] = [("l", include_str!("../../../tracks/l.toml"))];
+const BUILTIN: [(&str, &str); 2] = [
+    ("l", include_str!("../../../tracks/l.toml")),
+    ("road_course", include_str!("../../../tracks/road_course.toml")),
+];
 
 impl Track {
     /// Names of the tracks that ship with the product.

@@ -1,5 +1,6 @@
 //! A number that tells two tracks apart: FNV-1a (Fowler, Noll, Vo; 64 bit) over the bits of
-//! everything that shapes the track. It does not depend on the name, the platform or the build.
+//! what a track is made of. Computed positions have no part in it: sines differ in their last bit
+//! between platforms.
 
 /// FNV-1a, 64 bit, fed with floating-point numbers.
 #[derive(Debug, Clone, Copy)]

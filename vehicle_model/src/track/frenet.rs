@@ -10,6 +10,11 @@ use std::f64::consts::{PI, TAU};
 /// How far a warm projection follows the centre line from its hint, in widths of the track.
 const WINDOW_WIDTHS: f64 = 10.0;
 
+/// Pieces looked at together in a cold projection.
+const BLOCK: usize = 32;
+/// Allowance for the arc length of a spline not being exactly its parameter.
+const SLACK: f64 = 1.001;
+
 /// The foot of a point on the centre line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
@@ -67,12 +72,29 @@ impl Track {
     ///
     /// With a hint (the last s, in any lap [m]) the search follows the centre line downhill
     /// from there, so that a track passing near itself does not catch the point on its other
-    /// branch. Without one, or when the hint turns out to be far off (no foot within ten track
-    /// widths of it), the nearest point of the whole track is taken.
+    /// branch. Without one the nearest point of the whole track is taken; so it is when the hint
+    /// turns out to be wrong: no foot within ten track widths of it, or a foot from which the
+    /// point is more than a track width beyond the edge, while the nearest one has it inside.
     #[must_use]
     pub fn project(&self, x: f64, y: f64, hint: Option<f64>) -> Projection {
-        let warm = hint.filter(|s| s.is_finite()).and_then(|s| self.follow(x, y, self.wrap(s)));
-        let (i, u) = warm.unwrap_or_else(|| self.nearest(x, y));
+        let hint = hint.filter(|s| s.is_finite());
+        let Some((i, u)) = hint.and_then(|s| self.follow(x, y, self.wrap(s))) else {
+            let (i, u) = self.nearest(x, y);
+            return self.foot(i, u, x, y);
+        };
+        let warm = self.foot(i, u, x, y);
+        if self.beyond_edge(&warm) > self.max_width {
+            let (i, u) = self.nearest(x, y);
+            let cold = self.foot(i, u, x, y);
+            if self.beyond_edge(&cold) <= 0.0 {
+                return cold;
+            }
+        }
+        warm
+    }
+
+    /// The projection of (x, y) whose foot lies at distance u in piece i.
+    fn foot(&self, i: usize, u: f64, x: f64, y: f64) -> Projection {
         let (x_c, y_c, heading) = self.path.pose_in(i, u);
         let (sin, cos) = heading.sin_cos();
         let e_y = (y - y_c) * cos - (x - x_c) * sin;
@@ -80,6 +102,12 @@ impl Track {
         // The end of the lap is its beginning: same point, heading one turn earlier.
         let heading = if s == 0.0 { self.heading(0.0) } else { heading };
         Projection { s, e_y, heading }
+    }
+
+    /// How far the point of a projection is beyond the edge on its side, negative inside [m].
+    fn beyond_edge(&self, foot: &Projection) -> f64 {
+        let (left, right) = self.widths.at(foot.s);
+        if foot.e_y > 0.0 { foot.e_y - left } else { -foot.e_y - right }
     }
 
     /// Piece and distance in it of the foot reached by going downhill from s; `None` if it is
@@ -116,17 +144,33 @@ impl Track {
             let (x_c, y_c) = self.path.point_in(i, u);
             (x - x_c).hypot(y - y_c)
         };
+        // No point of a block of pieces is further from its beginning than the block is long.
+        let starts = (0..self.path.len()).step_by(BLOCK);
+        let reach = |from: usize, to: usize| {
+            let last = to.min(self.path.len()) - 1;
+            self.path.start_of(last) + self.path.length_of(last) - self.path.start_of(from)
+        };
         let mut best = (0, 0.0);
         let mut least = distance(0, 0.0);
-        for i in 0..self.path.len() {
-            // No point of a piece is further from its beginning than the piece is long.
-            if self.path.distance_to_start(i, x, y) > least + self.path.length_of(i) {
+        for i in starts.clone().filter(|&i| i > 0) {
+            let d = distance(i, 0.0);
+            if d < least {
+                (best, least) = ((i, 0.0), d);
+            }
+        }
+        for block in starts {
+            if distance(block, 0.0) > least + SLACK * reach(block, block + BLOCK) {
                 continue;
             }
-            let u = self.path.foot_in(i, x, y);
-            let d = distance(i, u);
-            if d < least {
-                (best, least) = ((i, u), d);
+            for i in block..(block + BLOCK).min(self.path.len()) {
+                if distance(i, 0.0) > least + SLACK * reach(i, i + 1) {
+                    continue;
+                }
+                let u = self.path.foot_in(i, x, y);
+                let d = distance(i, u);
+                if d < least {
+                    (best, least) = ((i, u), d);
+                }
             }
         }
         best

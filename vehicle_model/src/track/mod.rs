@@ -3,6 +3,17 @@
 //! A track is a centre line with its curvature kappa(s), and the distances to its left and
 //! right edge. It is made once, checked then, and never changes. Progress s may be asked for
 //! in any lap; it is wrapped to [0, L).
+//!
+//! ```
+//! use vehicle_model::{State, Track};
+//!
+//! let track = Track::builtin("l").ok_or("ships with the crate")?;
+//! let x = State { s: 3.0, e_y: 0.2, ..State::default() };
+//! let g = track.to_global(&x);
+//! let back = track.to_frenet(&g, Some(2.9)); // the s of the step before
+//! assert!((back.s - x.s).abs() < 1e-9 && (back.e_y - x.e_y).abs() < 1e-9);
+//! # Ok::<(), &str>(())
+//! ```
 
 mod arc;
 mod builtin;
@@ -22,12 +33,12 @@ pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
 pub use segment::Segment;
 
-use fingerprint::Fnv1a;
 use path::Path;
+use std::fmt;
 use widths::Widths;
 
 /// A closed race track.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Track {
     name: String,
     path: Path,
@@ -37,6 +48,16 @@ pub struct Track {
     min_width: f64,
     max_width: f64,
     fingerprint: u64,
+}
+
+impl fmt::Debug for Track {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Track")
+            .field("name", &self.name)
+            .field("length", &self.length)
+            .field("pieces", &self.path.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Track {
@@ -66,24 +87,13 @@ impl Track {
     }
 
     /// The track of parts that have been checked.
-    fn assemble(name: &str, path: Path, widths: Widths) -> Self {
+    fn assemble(name: &str, path: Path, widths: Widths, fingerprint: u64) -> Self {
         let last = path.len() - 1;
         let length = path.start_of(last) + path.length_of(last);
-        let mut hash = Fnv1a::new();
-        let mut max_abs_kappa: f64 = 0.0;
-        for i in 0..path.len() {
-            let kappa = path.kappa(path.start_of(i));
-            let (x, y, psi) = path.pose_in(i, 0.0);
-            hash = hash.with(&[path.start_of(i), path.length_of(i), x, y, psi, kappa]);
-            max_abs_kappa = max_abs_kappa.max(kappa.abs());
-        }
-        for span in widths.spans() {
-            let ((left, right), (l_slope, r_slope)) = (span.start, span.slope);
-            hash = hash.with(&[span.s, left, right, l_slope, r_slope]);
-        }
-        let name = name.to_owned();
+        let max_abs_kappa =
+            (0..path.len()).map(|i| path.kappa_in(i, 0.0).abs()).fold(0.0, f64::max);
         let (min_width, max_width) = widths.range();
-        let fingerprint = hash.finish();
+        let name = name.to_owned();
         Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
     }
 
@@ -99,7 +109,7 @@ impl Track {
         self.length
     }
 
-    /// Progress s of any lap brought into [0, L) [m].
+    /// Progress s of any lap brought into [0, L) [m]; 0 for what is no finite number.
     #[must_use]
     pub fn wrap(&self, s: f64) -> f64 {
         if (0.0..self.length).contains(&s) {
@@ -155,8 +165,8 @@ impl Track {
         self.pose(s).2
     }
 
-    /// A number that tells this track's geometry and widths from any other's; the same on every
-    /// machine. The name has no part in it.
+    /// A number that tells this track's geometry and widths from any other's: a hash of the
+    /// segments or points it was made of, the same on every machine. The name has no part in it.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint

@@ -85,13 +85,4 @@ impl Path {
             Self::Spline(spline) => spline.foot_in(i, x, y),
         }
     }
-
-    /// Distance of (x, y) from the beginning of piece i [m].
-    pub(super) fn distance_to_start(&self, i: usize, x: f64, y: f64) -> f64 {
-        let (x_i, y_i) = match self {
-            Self::Arcs(arcs) => (arcs[i].x, arcs[i].y),
-            Self::Spline(spline) => spline.point_in(i, 0.0),
-        };
-        (x - x_i).hypot(y - y_i)
-    }
 }

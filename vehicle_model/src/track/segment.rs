@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::arc::Arc;
 use super::error::{Place, TrackError};
+use super::fingerprint::Fnv1a;
 use super::frenet::wrap_angle;
 use super::path::Path;
 use super::widths::{Span, Widths, too_tight};
@@ -63,6 +64,7 @@ pub(super) fn build(
     let mut problems = Vec::new();
     let mut arcs = Vec::with_capacity(segments.len());
     let mut spans = Vec::with_capacity(segments.len());
+    let mut hash = Fnv1a::new();
     if segments.len() < 2 {
         let (what, found) = ("segments", segments.len());
         problems.push(TrackError::TooFew { what, found, expected: 2 });
@@ -73,6 +75,7 @@ pub(super) fn build(
         let end = segment.width_end.unwrap_or(start);
         problems.extend(segment.problems(start, end, &|| item(i)));
         let Segment { length, kappa, .. } = *segment;
+        hash = hash.with(&[length, kappa, start.0, start.1, end.0, end.1]);
         let arc = Arc { s, length, kappa, x, y, psi };
         let from = Place { s, x, y };
         (x, y, psi) = arc.pose(length);
@@ -91,7 +94,10 @@ pub(super) fn build(
     if problems.is_empty() {
         problems = crossing::find(&path, s, widths.range().1);
     }
-    if problems.is_empty() { Ok(Track::assemble(name, path, widths)) } else { Err(problems) }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    Ok(Track::assemble(name, path, widths, hash.finish()))
 }
 
 impl Segment {

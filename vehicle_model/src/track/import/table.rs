@@ -63,10 +63,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
         problems.push(TrackError::Syntax { line: 1, column: 1, found, expected });
     }
     if !problems.is_empty() {
-        problems.sort_by_key(|problem| match problem {
-            TrackError::Syntax { line, .. } => *line,
-            _ => 0,
-        });
+        problems.sort_by_key(TrackError::line_and_column);
         return Err(problems);
     }
     let points = match header {
@@ -163,7 +160,8 @@ fn ttl_points(rows: &[Row]) -> Result<Vec<TrackPoint>, Vec<TrackError>> {
                     expected: format!("a point to the {name}, in the order of driving"),
                 });
             }
-            dx.hypot(dy)
+            // Not hypot: its last bit, and with it the fingerprint, depends on the platform.
+            (dx * dx + dy * dy).sqrt()
         };
         let (width_left, width_right) = (width(9, 1.0, "left"), width(11, -1.0, "right"));
         points.push(TrackPoint { x, y, width_left, width_right });
