@@ -5,6 +5,8 @@ mod variation;
 use nalgebra::{Const, Matrix6, Matrix6x2, U1, Vector6};
 use num_dual::DualSVec64;
 
+use variation::By;
+
 use crate::model::{Model, ModelKind, Number, PoseConvention, pose_rates, state_array};
 use crate::state::{Input, NU, NX, State};
 
@@ -46,7 +48,7 @@ impl Discretized {
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, kappa: impl Fn(f64) -> f64) -> Linearization {
         match self.model.kind {
-            ModelKind::Dynamic => variation::linearize(self, x, u, &kappa),
+            ModelKind::Dynamic => variation::linearize(self, x, u, By::Input, &kappa),
             ModelKind::Kinematic => self.linearize_directly(x, u, &kappa),
         }
     }
@@ -87,20 +89,14 @@ impl Discretized {
         u: &Input,
         kappa: impl Fn(f64) -> f64,
     ) -> (Vector6<f64>, Matrix6x2<f64>) {
-        type Dual = DualSVec64<2>;
-        let state = state_array(x).map(Dual::from_re);
-        let input = [u.a, u.delta].map(Dual::from_re);
-        let grip: [Dual; 2] =
-            std::array::from_fn(|i| Dual::from_re(self.model.grip[i]).derivative(i));
-        let next = self.step(&state, &input, &grip, &kappa);
-        let mut jacobian = Matrix6x2::zeros();
-        for (row, number) in next.iter().enumerate() {
-            let gradient = number.eps.unwrap_generic(Const::<2>, U1);
-            for column in 0..2 {
-                jacobian[(row, column)] = gradient[column];
+        match self.model.kind {
+            ModelKind::Dynamic => {
+                let found = variation::linearize(self, x, u, By::Grip, &kappa);
+                (found.next, found.b)
             }
+            // A car that rolls has all the grip it needs.
+            ModelKind::Kinematic => (self.next(x, u, kappa).to_vector(), Matrix6x2::zeros()),
         }
-        (self.next(x, u, kappa).to_vector(), jacobian)
     }
 
     /// Number and length of the Runge-Kutta steps.

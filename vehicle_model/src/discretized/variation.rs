@@ -5,7 +5,9 @@
 //! Jacobians of the discrete step. F and G come from dual numbers; the velocities depend on
 //! neither pose nor s, so the system falls into small blocks:
 //!
-//! V = d v/d(v_0, u),  P = d pose/d(v_0, u),  Q = d pose/d pose_0.
+//! V = d v/d(v_0, p),  P = d pose/d(v_0, p),  Q = d pose/d pose_0,
+//!
+//! p being two parameters held over the step: the input, or the grip factors.
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x2, SMatrix, Vector6};
 use num_dual::DualSVec64;
@@ -14,7 +16,7 @@ use super::{Discretized, Linearization, runge_kutta_4};
 use crate::model::{pose_rates, state_array};
 use crate::state::{Input, NU, NX, State};
 
-/// Directions of the velocity block: v_x, v_y, omega_z, a, delta; of the pose block: v_x, v_y,
+/// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block: v_x, v_y,
 /// omega_z, e_psi, e_y.
 const N: usize = 5;
 
@@ -27,10 +29,21 @@ const P: usize = V + 3 * N;
 const Q: usize = P + 3 * N;
 const ALL: usize = Q + 9;
 
+/// The two parameters that are held over a step and derived by.
+#[derive(Clone, Copy)]
+pub(super) enum By {
+    /// a and delta.
+    Input,
+    /// Grip factors of the front and rear axle.
+    Grip,
+}
+
+/// Jacobians of a step by its state and by the parameters.
 pub(super) fn linearize(
     step: &Discretized,
     x: &State,
     u: &Input,
+    by: By,
     kappa: &impl Fn(f64) -> f64,
 ) -> Linearization {
     let mut y = [0.0; ALL];
@@ -40,7 +53,7 @@ pub(super) fn linearize(
 
     let (substeps, h) = step.grid();
     for _ in 0..substeps {
-        y = runge_kutta_4(&y, h, |y, _| rates(step, y, u, kappa(y[4])));
+        y = runge_kutta_4(&y, h, |y, _| rates(step, y, u, by, kappa(y[4])));
     }
 
     let by_start = Block::from_column_slice(&y[V..P]);
@@ -56,11 +69,18 @@ pub(super) fn linearize(
 }
 
 /// Rates of state, V, P and Q.
-fn rates(step: &Discretized, y: &[f64; ALL], u: &Input, kappa: f64) -> [f64; ALL] {
+fn rates(step: &Discretized, y: &[f64; ALL], u: &Input, by: By, kappa: f64) -> [f64; ALL] {
     let seed = |value: f64, direction: usize| Dual::from_re(value).derivative(direction);
     let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
-    let input = [seed(u.a, 3), seed(u.delta, 4)];
-    let grip = step.model.grip.map(Dual::from_re);
+    let (mut input, mut grip) =
+        ([u.a, u.delta].map(Dual::from_re), step.model.grip.map(Dual::from_re));
+    let parameters = match by {
+        By::Input => &mut input,
+        By::Grip => &mut grip,
+    };
+    for (number, direction) in parameters.iter_mut().zip(3..) {
+        *number = number.derivative(direction);
+    }
     let (v_dot, by_v) = split(&step.model.velocity_rates(&v, &input, &grip));
     let pose = [seed(y[3], 3), Dual::from_re(y[4]), seed(y[5], 4)];
     let (pose_dot, by_pose) = split(&pose_rates(&v, &pose, kappa));
