@@ -208,8 +208,7 @@ fn low_speed_is_stable() {
         [("barc", 0.1, 1.5), ("iac", 0.1, 6.0), ("kart", 0.1, 4.0), ("mini", 0.02, 0.8)]
     {
         let car = CarParams::builtin(name).unwrap();
-        let car_stronger = CarParams { ..car.clone() };
-        for car in [car, car_stronger.with_mu(1.2)] {
+        for car in [car.clone(), car.with_mu(1.2)] {
             let step = Discretized { model: dynamic(car.clone()), dt, substeps: 10 };
             for i in -4..=60 {
                 let v = top * f64::from(i) / 60.0;
