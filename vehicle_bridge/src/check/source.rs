@@ -14,21 +14,6 @@ const MOST_FINDINGS: usize = 100;
 /// What stands in for a missing key so that reading goes on; the first that fits is taken.
 const STAND_INS: [&str; 3] = ["1.0", "\"x\"", "true"];
 
-/// What a reader says is wrong, and where in its text.
-#[derive(Debug)]
-pub(super) struct Fault {
-    /// The bytes that are wrong.
-    pub(super) span: Option<Range<usize>>,
-    /// What is wrong with them.
-    pub(super) message: String,
-}
-
-impl From<toml::de::Error> for Fault {
-    fn from(error: toml::de::Error) -> Self {
-        Self { span: error.span(), message: error.message().to_owned() }
-    }
-}
-
 /// Text with the places found wrong blanked out; lines and columns stay where they are.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
@@ -51,27 +36,27 @@ impl Source {
 
     /// Reads with `parse`, finding everything on the way that is no TOML, no key, or has the
     /// wrong type. Whether what is left can be read.
-    pub(super) fn read<E: Into<Fault>>(
+    pub(super) fn read(
         &mut self,
         findings: &mut Vec<Finding>,
-        parse: impl Fn(&str) -> Result<(), E>,
+        parse: impl Fn(&str) -> Result<(), toml::de::Error>,
     ) -> bool {
         self.syntax(findings);
         while findings.len() < MOST_FINDINGS {
             let Err(error) = parse(&self.text) else { return true };
-            let Fault { span, message } = error.into();
-            let Some(span) = span else {
-                findings.push(Finding::of(message));
+            let message = error.message();
+            let Some(span) = error.span() else {
+                findings.push(Finding::of(message.to_owned()));
                 return false;
             };
             let line = position(&self.text, span.start).0 - 1;
-            let goes_on = if let Some(key) = missing_key(&message) {
-                self.missing(line, key, &message, findings);
+            let goes_on = if let Some(key) = missing_key(message) {
+                self.missing(line, key, message, findings);
                 true
             } else if let Some(i) = self.supplied.iter().position(|s| s.0 == line) {
                 self.next_stand_in(i)
             } else {
-                findings.push(self.finding(&span, &message));
+                findings.push(self.finding(&span, message));
                 let entry = self.entry_around(&span).unwrap_or_else(|| vec![span]);
                 self.blank(&entry)
             };

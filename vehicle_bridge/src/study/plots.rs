@@ -29,8 +29,8 @@ pub fn page(
         "paper",
     ];
     let rows: Vec<Vec<String>> = summaries.iter().map(cells_of).collect();
-    let mut body =
-        card("Beside the paper", "", &format!("<div class=\"wide\">{}</div>", table(&head, &rows)));
+    let mut body = card("Beside the paper", "", &table(&head, &rows));
+    body.push_str("<div class=\"columns\">\n");
     for regression in &study.regressions {
         let own: Vec<&CellSummary> =
             summaries.iter().filter(|s| &s.cell.regression == regression).collect();
@@ -67,6 +67,7 @@ pub fn page(
             ));
         }
     }
+    body.push_str("</div>\n");
     html_page(&study.title, &study.lead, &body, "")
 }
 
@@ -88,6 +89,7 @@ fn over_iterations(
 ) -> String {
     let mut chart = Chart::new("iteration", y_label);
     chart.y_kind = kind;
+    chart.x_whole = true;
     for (i, summary) in cells.iter().enumerate() {
         let own: Vec<&StudyLap> = laps.iter().filter(|lap| of_cell(lap, &summary.cell)).collect();
         let last = own.iter().filter_map(|lap| lap.iteration).max().unwrap_or(0);
@@ -111,6 +113,7 @@ fn over_iterations(
 fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> String {
     let mut chart = Chart::new("iteration", "share of runs");
     chart.y_range = Some((0.0, 1.05));
+    chart.x_whole = true;
     let last = laps.iter().filter_map(|lap| lap.iteration).max().unwrap_or(1);
     for (i, summary) in cells.iter().enumerate() {
         let own: Vec<&RunRow> = runs.iter().filter(|r| belongs(r, &summary.cell)).collect();
