@@ -63,15 +63,15 @@ pub(super) fn car(text: &str) -> Vec<Finding> {
     if source.read(&mut findings, parse)
         && let Err(ModelError::CarInvalid(problems)) = CarParams::from_toml(source.text())
     {
-        findings.extend(problems.into_iter().filter_map(|mut problem: ParamProblem| {
-            // A missing key was reported as such; the number put in its place does not count.
-            let line = problem.line.take().map(|line| source.original_line(line));
-            let line = match line {
-                Some(None) => return None,
-                Some(line) => line,
-                None => None,
-            };
-            Some(Finding { line, column: None, message: problem.to_string() })
+        // A missing key was reported as such; what stands in its place does not count.
+        let real = |p: &ParamProblem| {
+            let section = !p.section.is_empty() && source.stands_in_for(p.section);
+            let in_its_place = p.line.is_some_and(|line| source.original_line(line).is_none());
+            !section && !in_its_place
+        };
+        findings.extend(problems.into_iter().filter(real).map(|mut problem| {
+            let line = problem.line.take().and_then(|line| source.original_line(line));
+            Finding { line, column: None, message: problem.to_string() }
         }));
     }
     findings

@@ -87,25 +87,19 @@ impl Report<'_> {
         }
         body.push_str("<div class=\"columns\">\n");
         body.push_str(&card("Lap times", "", &times));
-        let along = curves::Along { length: self.track.length() };
-        let along =
-            |views: &[LapView<'_>],
-             label: &str,
-             value: fn(&StepRow) -> f64,
-             optimal,
-             references| { along.chart(views, label, value, optimal, references) };
+        let along = self.along();
         let line = |at: usize| optimal.map(|o| o.points.iter().map(|p| (p[0], p[at])).collect());
-        let mut speed = along(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
-        speed.push_str(&along(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
+        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
+        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
         body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
-        let mut inputs = along(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
-        inputs.push_str(&along(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
+        let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
+        inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
         body.push_str(&card("Inputs over the lap", "", &inputs));
         body.push_str(&self.tyres(&views));
         let note = "Distance between the learned linearisation and the simulated car's own, at \
                     the same state and input.";
         body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
-        let support = along(
+        let support = along.chart(
             &views,
             "sum of kernel weights",
             |r| r.status.data_support_mean,
@@ -200,19 +194,22 @@ impl Report<'_> {
         format!("<div class=\"facts\">\n{cards}</div>\n")
     }
 
+    fn along(&self) -> curves::Along {
+        curves::Along { length: self.track.length() }
+    }
+
     fn tyres(&self, views: &[LapView<'_>]) -> String {
-        let along = curves::Along { length: self.track.length() };
-        let along =
-            |views: &[LapView<'_>],
-             label: &str,
-             value: fn(&StepRow) -> f64,
-             optimal,
-             references| { along.chart(views, label, value, optimal, references) };
-        let guards = curves::guards(self.config);
-        let mut out = along(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, guards.clone());
-        out.push_str(&along(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, guards));
-        out.push_str(&along(views, "lateral force used, front", |r| r.use_f, None, Vec::new()));
-        out.push_str(&along(views, "lateral force used, rear", |r| r.use_r, None, Vec::new()));
+        let along = self.along();
+        let limits = &self.config.limits;
+        let (front, rear) = (curves::guard(limits.front_slip), curves::guard(limits.rear_slip));
+        let mut out = along.chart(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, front);
+        out.push_str(&along.chart(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, rear));
+        for (label, value) in [
+            ("lateral force used, front", (|r| r.use_f) as fn(&StepRow) -> f64),
+            ("lateral force used, rear", |r| r.use_r),
+        ] {
+            out.push_str(&along.chart(views, label, value, None, Vec::new()));
+        }
         card("Tyre use", "Slip angles, and the share of each axle's largest lateral force.", &out)
     }
 
