@@ -1,4 +1,5 @@
 //! `lmpc` at its process boundary: exit codes, streams, files.
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its files has failed")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
