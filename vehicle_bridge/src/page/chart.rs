@@ -7,7 +7,7 @@ use super::escape;
 use super::scale::{Kind, Scale};
 
 const WIDTH: f64 = 720.0;
-const LEFT: f64 = 62.0;
+const LEFT: f64 = 74.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
@@ -164,9 +164,7 @@ impl Chart {
                 y + 4.0
             );
         }
-        for (value, label) in
-            frame.x.ticks(10).into_iter().filter(|t| !self.x_whole || t.0.fract() == 0.0)
-        {
+        for (value, label) in self.x_ticks(frame) {
             let x = frame.x(value);
             let _ = writeln!(
                 out,
@@ -178,7 +176,7 @@ impl Chart {
         let _ = writeln!(
             out,
             "<text class=\"label\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-             <text class=\"label\" transform=\"translate(14 {}) rotate(-90)\" \
+             <text class=\"label\" transform=\"translate(13 {}) rotate(-90)\" \
              text-anchor=\"middle\">{}</text>",
             f64::midpoint(LEFT, right),
             self.height - 8.0,
@@ -186,6 +184,15 @@ impl Chart {
             f64::midpoint(TOP, low),
             escape(&self.y_label)
         );
+    }
+
+    fn x_ticks(&self, frame: &Frame) -> Vec<(f64, String)> {
+        let ticks = frame.x.ticks(10);
+        if !self.x_whole {
+            return ticks;
+        }
+        let whole = ticks.into_iter().filter(|(value, _)| value.fract() == 0.0);
+        whole.map(|(value, _)| (value, format!("{value:.0}"))).collect()
     }
 
     fn legend(&self, out: &mut String) {

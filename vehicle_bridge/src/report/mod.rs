@@ -11,7 +11,7 @@ use controller::{Action, Config};
 use vehicle_model::Track;
 
 use crate::page::{card, escape, page, table};
-use crate::race::record::{Failure, LapRow, StepRow};
+use crate::race::record::{Failure, LapRow, StepRow, is_fallback};
 use crate::race::timing::{StepTime, percentile};
 use crate::race::words::kind_word;
 
@@ -98,7 +98,9 @@ impl Report<'_> {
         body.push_str(&self.tyres(&views));
         let note = "Distance between the learned linearisation and the simulated car's own, at \
                     the same state and input.";
-        body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
+        if self.laps.iter().any(|lap| lap.model_error_median.is_finite()) {
+            body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
+        }
         let support = along.chart(
             &views,
             "sum of kernel weights",
@@ -171,7 +173,7 @@ impl Report<'_> {
         let tone = if off == 0 { "good" } else { "bad" };
         let text = self.failure.map_or("stayed on the track".to_owned(), ToString::to_string);
         facts.push((if off == 0 { "yes".into() } else { "failed".into() }, text, tone));
-        let fallbacks: usize = self.laps.iter().map(|lap| lap.fallbacks).sum();
+        let fallbacks = self.steps.iter().filter(|row| is_fallback(&row.status)).count();
         let tone = if fallbacks == 0 { "good" } else { "bad" };
         facts.push((fallbacks.to_string(), "steps fell back".to_owned(), tone));
         let mut totals: Vec<f64> = self.learned_times().iter().map(|t| t.total * 1e3).collect();

@@ -101,7 +101,7 @@ fn over_iterations(
             })
             .collect();
         chart.series.push(Series::new(
-            &label(&summary.cell),
+            &label(cells, &summary.cell),
             &format!("s{}", i % 6),
             Mark::DotLine,
             points,
@@ -124,7 +124,7 @@ fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> Stri
             })
             .collect();
         chart.series.push(Series::new(
-            &label(&summary.cell),
+            &label(cells, &summary.cell),
             &format!("s{}", i % 6),
             Mark::Line,
             points,
@@ -140,6 +140,17 @@ fn of_cell(lap: &StudyLap, cell: &Cell) -> bool {
         && lap.bandwidth.to_bits() == cell.bandwidth.to_bits()
 }
 
-fn label(cell: &Cell) -> String {
-    format!("rate cost {}, h {}", cell.control_rate_cost, cell.bandwidth)
+/// What tells a cell from the others in its plot.
+fn label(cells: &[&CellSummary], cell: &Cell) -> String {
+    let differ = |of: fn(&Cell) -> f64| {
+        cells.iter().any(|other| of(&other.cell).to_bits() != of(cell).to_bits())
+    };
+    let mut parts = Vec::new();
+    if differ(|c| c.control_rate_cost) {
+        parts.push(format!("rate cost {}", cell.control_rate_cost));
+    }
+    if differ(|c| c.bandwidth) || parts.is_empty() {
+        parts.push(format!("h {}", cell.bandwidth));
+    }
+    parts.join(", ")
 }
