@@ -44,14 +44,14 @@ pub fn page(
                 laps,
                 "lap time [s]",
                 Kind::Linear,
-                |lap| Some(lap.lap_time_s),
+                |lap| lap.lap_time_s,
                 median,
             ),
         ));
         body.push_str(&card(
             &format!("Runs still on the track, {name}"),
             "Share of the seeds that finished the iteration.",
-            &survivors(&own, runs, laps),
+            &survivors(&own, runs),
         ));
         for (what, of) in [
             ("median", (|lap: &StudyLap| lap.model_error_median) as fn(&StudyLap) -> Option<f64>),
@@ -59,7 +59,7 @@ pub fn page(
         ] {
             let middle: fn(&mut [f64]) -> f64 = if what == "mean" { |v| mean(v) } else { median };
             let note = "Frobenius norm of A_learned - A_plant, at the same points and with the \
-                        same discretisation.";
+                        same discretisation; a run's last point is the lap it failed in.";
             body.push_str(&card(
                 &format!("Model error, {what}, {name}"),
                 note,
@@ -110,11 +110,11 @@ fn over_iterations(
     chart.html()
 }
 
-fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> String {
+fn survivors(cells: &[&CellSummary], runs: &[RunRow]) -> String {
     let mut chart = Chart::new("iteration", "share of runs");
     chart.y_range = Some((0.0, 1.05));
     chart.x_whole = true;
-    let last = laps.iter().filter_map(|lap| lap.iteration).max().unwrap_or(1);
+    let last = runs.iter().map(|run| run.laps_completed).max().unwrap_or(1).max(1);
     for (i, summary) in cells.iter().enumerate() {
         let own: Vec<&RunRow> = runs.iter().filter(|r| belongs(r, &summary.cell)).collect();
         let points = (1..=last)
