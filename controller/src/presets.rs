@@ -29,6 +29,13 @@ impl Config {
         }
     }
 
+    /// Settings shipped for a built-in car, as TOML over its preset; none for cars that the
+    /// presets fit as they are.
+    #[must_use]
+    pub fn of_car(name: &str) -> Option<&'static str> {
+        (name == "iac").then_some(include_str!("../../config/iac.toml"))
+    }
+
     fn paper() -> Self {
         Self {
             preset: Preset::Paper,
