@@ -2,7 +2,7 @@
 
 use controller::Affine;
 use controller::config::SolverConfig;
-use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, SlipRow, Solution};
+use controller::fhocp::{ClarabelSolver, RiccatiSolver, Fhocp, FhocpSolver, SlipRow, Solution};
 use lmpc_tests::read_reference;
 use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
 use serde::Deserialize;
@@ -103,7 +103,7 @@ impl Qp {
 fn compare(name: &str, slip: bool) {
     let file: File = read_reference(name);
     assert!(!file.qps.is_empty());
-    let mut solver = ClarabelSolver::new(SolverConfig { tolerance: 1e-9, max_iterations: 100 });
+    let mut solver = RiccatiSolver::new(SolverConfig { tolerance: 1e-9, max_iterations: 60 });
     for (k, qp) in file.qps.iter().enumerate() {
         assert!(qp.l.iter().take(qp.n_eq).eq(qp.u.iter().take(qp.n_eq)), "equalities first");
         let problem = qp.stages(slip);

@@ -17,11 +17,13 @@
 
 mod clarabel_solver;
 mod layout;
+mod riccati;
 mod slacks;
 
 use nalgebra::{Vector2, Vector6};
 
 pub use clarabel_solver::ClarabelSolver;
+pub use riccati::RiccatiSolver;
 pub use slacks::Slacks;
 
 use crate::affine::Affine;

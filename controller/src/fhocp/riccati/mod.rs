@@ -1,0 +1,249 @@
+//! The FHOCP solved by an interior-point method made for it.
+//!
+//! Mehrotra's predictor-corrector (Nocedal and Wright, Numerical Optimization, ch. 16.6) on
+//!
+//! ```text
+//! minimise f(v)  subject to  A v + w = b,  w >= 0
+//! ```
+//!
+//! where v holds the inputs, the slacks and the hull weights, and x follows from the inputs
+//! ([`rows`] says which inequality stands where). Each iteration
+//!
+//! 1. forms sigma = z / w, the curvature every row adds ([`barrier`]);
+//! 2. eliminates the slacks of each stage ([`stage`]) and the weights of the hull ([`hull`]);
+//! 3. factors what is left, a linear quadratic regulator, by the Riccati recursion
+//!    ([`recursion`]) in O(N);
+//! 4. solves twice with that factor: for the predictor (target 0), then for the corrector whose
+//!    target `s mu` and second-order term come from the predictor;
+//! 5. takes one step length for v, w and z.
+//!
+//! The dynamics and the sum of the weights hold from the start and stay held, since directions
+//! keep them; only the inequalities carry residuals. All memory is laid out once per shape, and
+//! the result depends on the problem alone.
+
+mod barrier;
+mod hull;
+mod recursion;
+mod rows;
+mod stage;
+mod start;
+
+use nalgebra::Vector2;
+
+use self::barrier::Barrier;
+use self::hull::Hull;
+use self::recursion::{Gain, backward, factor, forward};
+use self::rows::{Point, Rows, quantities};
+use self::stage::{Curvature, Gradient};
+use super::layout::Shape;
+use super::{Fhocp, FhocpSolver, Solution, SolveReport};
+use crate::config::SolverConfig;
+use crate::status::SolveStatus;
+
+/// Structure-exploiting interior-point solver of the FHOCP.
+pub struct RiccatiSolver {
+    config: SolverConfig,
+    work: Option<Work>,
+}
+
+impl RiccatiSolver {
+    /// A solver with the given tolerance and iteration limit; memory is laid out at the first
+    /// solve of each shape.
+    #[must_use]
+    pub fn new(config: SolverConfig) -> Self {
+        Self { config, work: None }
+    }
+}
+
+impl FhocpSolver for RiccatiSolver {
+    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
+        let failed = SolveReport { status: SolveStatus::Numerical, iterations: 0 };
+        if !problem.is_finite() || problem.horizon() == 0 || problem.hull.is_empty() {
+            return failed;
+        }
+        let shape = Shape::of(problem);
+        let work = match &mut self.work {
+            Some(work) if work.rows.shape == shape => work,
+            work => work.insert(Work::new(shape)),
+        };
+        let report = work.solve(problem, &self.config);
+        if report.status.usable() {
+            work.write(solution);
+        }
+        report
+    }
+}
+
+/// How far an iterate is from the optimum.
+#[derive(Debug, Clone, Copy)]
+struct Residuals {
+    /// Duality gap relative to the cost.
+    gap: f64,
+    /// Greatest violation of a row.
+    primal: f64,
+    /// Greatest entry of the Lagrangian's gradient.
+    dual: f64,
+}
+
+impl Residuals {
+    fn worst(&self) -> f64 {
+        self.gap.max(self.primal).max(self.dual)
+    }
+}
+
+/// Memory of one shape.
+struct Work {
+    rows: Rows,
+    point: Point,
+    direction: Point,
+    best: Point,
+    barrier: Barrier,
+    hull: Hull,
+    curvature: Vec<Curvature>,
+    gradient: Vec<Gradient>,
+    gains: Vec<Gain>,
+}
+
+impl Work {
+    fn new(shape: Shape) -> Self {
+        let rows = Rows::of(shape);
+        let mut work = Self {
+            rows,
+            point: Point::default(),
+            direction: Point::default(),
+            best: Point::default(),
+            barrier: Barrier::default(),
+            hull: Hull::default(),
+            curvature: vec![Curvature::default(); shape.horizon],
+            gradient: vec![Gradient::default(); shape.horizon],
+            gains: vec![Gain::default(); shape.horizon],
+        };
+        for point in [&mut work.point, &mut work.direction, &mut work.best] {
+            point.resize(&shape);
+        }
+        work.barrier.resize(rows.count());
+        work.hull.resize(shape.hull);
+        work
+    }
+
+    fn solve(&mut self, problem: &Fhocp, config: &SolverConfig) -> SolveReport {
+        self.start(problem);
+        for iterations in 0..config.max_iterations {
+            let residuals = self.residuals(problem);
+            if std::env::var_os("TRACE").is_some() {
+                eprintln!("{iterations} {residuals:?}");
+            }
+            if residuals.worst() <= config.tolerance {
+                return SolveReport { status: SolveStatus::Solved, iterations };
+            }
+            if !self.iterate(problem) {
+                return SolveReport { status: SolveStatus::Numerical, iterations };
+            }
+        }
+        SolveReport { status: SolveStatus::MaxIterations, iterations: config.max_iterations }
+    }
+
+    /// One predictor-corrector step; false if it broke down.
+    #[inline(always)]
+    fn iterate(&mut self, problem: &Fhocp) -> bool {
+        let hull = self.rows.hull();
+        self.barrier.predict();
+        for (t, curvature) in self.curvature.iter_mut().enumerate() {
+            *curvature =
+                Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
+        }
+        if !self.hull.factor(&self.barrier.sigma[hull..]) {
+            return false;
+        }
+        factor(problem, &self.curvature, &self.hull.p, &mut self.gains);
+
+        self.direction(problem);
+        let rows = self.rows.count() as f64;
+        let gap = self.barrier.gap();
+        let after = self.barrier.gap_after(self.barrier.step());
+        let centring = (after / gap).powi(3);
+        self.barrier.correct(centring * gap / rows);
+        self.direction(problem);
+
+        let step = 0.995 * self.barrier.step();
+        self.point.advance(step, &self.direction);
+        self.barrier.advance(step);
+        self.hull.advance(step);
+        self.renormalise();
+        true
+    }
+
+    /// Direction for the pulls in place.
+    #[inline(always)]
+    fn direction(&mut self, problem: &Fhocp) {
+        let hull = self.rows.hull();
+        let mut u_before = problem.u_prev;
+        for (t, (gradient, curvature)) in
+            self.gradient.iter_mut().zip(&self.curvature).enumerate()
+        {
+            let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
+            *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
+            curvature.eliminate(gradient);
+            u_before = *u;
+        }
+        let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
+        backward(problem, &self.curvature, &self.gradient, &terminal, &mut self.gains);
+        let Point { x, u, s, lambda } = &mut self.direction;
+        forward(problem, &self.gains, x, u);
+        for (t, s) in s.iter_mut().enumerate() {
+            let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
+            *s = self.curvature[t].slacks(&self.gradient[t], &dy);
+        }
+        self.hull.direction(&x[problem.horizon()], lambda);
+        self.rows.image(problem, &self.direction, Vector2::zeros(), &mut self.barrier.image);
+        self.barrier.direction();
+    }
+
+    /// The weights are the gaps of their rows; their sum is 1.
+    #[inline(always)]
+    fn renormalise(&mut self) {
+        let weights = &mut self.barrier.w[self.rows.hull()..];
+        let sum: f64 = weights.iter().sum();
+        for (weight, lambda) in weights.iter_mut().zip(&mut self.point.lambda) {
+            *weight /= sum;
+            *lambda = *weight;
+        }
+    }
+
+    /// Residuals of the iterate, those of the rows left in place for the next step.
+    #[inline(always)]
+    fn residuals(&mut self, problem: &Fhocp) -> Residuals {
+        let hull = self.rows.hull();
+        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        let primal = self.barrier.residuals();
+        self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
+        let cost: f64 =
+            problem.hull_cost.iter().zip(&self.point.lambda).map(|(j, l)| j * l).sum();
+        let gap = self.barrier.gap() / (1.0 + cost.abs());
+
+        // Adjoint of the dynamics: pi is the costate of x_{t+1}, then of x_t.
+        let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
+        let mut pi = self.hull.y;
+        let mut rate_after = Vector2::zeros();
+        for t in (0..problem.horizon()).rev() {
+            let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
+            let z = self.rows.stage(t, &self.barrier.z);
+            let (u, s) = (&self.point.u[t], &self.point.s[t]);
+            let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
+            pi += gradient.next_state(problem, t);
+            let model = &problem.model[t];
+            let input = gradient.input(problem, t) + gradient.rate - rate_after
+                + model.b.tr_mul(&pi);
+            dual = gradient.slack.iter().fold(dual.max(input.amax()), |d, g| d.max(g.abs()));
+            pi = model.a.tr_mul(&pi) + gradient.state(problem, t);
+            rate_after = gradient.rate;
+        }
+        Residuals { gap, primal, dual }
+    }
+
+    fn write(&self, solution: &mut Solution) {
+        solution.x.copy_from_slice(&self.point.x);
+        solution.u.copy_from_slice(&self.point.u);
+        solution.lambda.copy_from_slice(&self.point.lambda);
+    }
+}
