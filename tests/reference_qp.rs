@@ -2,7 +2,7 @@
 
 use controller::Affine;
 use controller::config::SolverConfig;
-use controller::fhocp::{ClarabelSolver, RiccatiSolver, Fhocp, FhocpSolver, SlipRow, Solution};
+use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, SlipRow, Solution};
 use lmpc_tests::read_reference;
 use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
 use serde::Deserialize;

@@ -1,13 +1,19 @@
 //! Complementarity of the rows: w z = mu, gap w of each row and its multiplier z.
 //!
-//! Newton's step on `a'v + w = b`, `w z = target` for a row with residual `r = a'v + w - b`:
+//! Newton's step on `a'v + w = b`, `w z = target` for a row with residual `r = a'v + w - b`, its
+//! first equation regularised to `a'dv + dw - delta dz = -r`:
 //!
 //! ```text
-//! dw = -r - a'dv
-//! z + dz = pull + sigma a'dv,   sigma = z / w,   pull = (target - dw_aff dz_aff + z r) / w
+//! dw     = delta dz - r - a'dv
+//! z + dz = pull + sigma a'dv
+//! sigma  = z / (w + delta z)
+//! pull   = (target - dw_aff dz_aff + z (r + delta z)) / (w + delta z)
 //! ```
 //!
-//! so a row adds `sigma a a'` to the Hessian and `pull a` to the gradient.
+//! so a row adds `sigma a a'` to the Hessian and `pull a` to the gradient. Without delta the
+//! curvature of an active row grows without bound (as 1 / mu), and with it the rounding errors of
+//! the Riccati recursion; with it, sigma stays below 1 / delta. What is left of r vanishes with
+//! dz: the point of convergence is not moved.
 
 /// Rows as flat arrays of one length.
 #[derive(Debug, Clone, Default)]
@@ -26,6 +32,10 @@ pub(super) struct Barrier {
     pub(super) sigma: Vec<f64>,
     /// Gradient's coefficient.
     pub(super) pull: Vec<f64>,
+    /// Scale of each row.
+    pub(super) width: Vec<f64>,
+    /// Regularisation of each row.
+    pub(super) delta: Vec<f64>,
     inverse: Vec<f64>,
     dw: Vec<f64>,
     dz: Vec<f64>,
@@ -41,6 +51,8 @@ impl Barrier {
             &mut self.image,
             &mut self.sigma,
             &mut self.pull,
+            &mut self.width,
+            &mut self.delta,
             &mut self.inverse,
             &mut self.dw,
             &mut self.dz,
@@ -67,26 +79,47 @@ impl Barrier {
         greatest
     }
 
+    /// Curvature and pull of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.
+    #[inline(always)]
+    pub(super) fn penalise(&mut self, weight: f64) {
+        let rows = self.image.iter().zip(&self.b).zip(&self.width);
+        for ((sigma, pull), ((image, b), width)) in
+            self.sigma.iter_mut().zip(&mut self.pull).zip(rows)
+        {
+            *sigma = weight / (width * width);
+            *pull = *sigma * (image - b);
+        }
+    }
+
+    /// Gaps from the image, no less than `least` of the width, and multipliers mu / w.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, least: f64, mu: f64) {
+        for i in 0..self.w.len() {
+            self.w[i] = (self.b[i] - self.image[i]).max(least * self.width[i]);
+            self.z[i] = mu / self.w[i];
+        }
+    }
+
     /// sigma, and the pull of the predictor (target 0).
     #[inline(always)]
     pub(super) fn predict(&mut self) {
-        let rows = self.w.iter().zip(&self.z).zip(&self.r);
+        let rows = self.w.iter().zip(&self.z).zip(&self.r).zip(&self.delta);
         let out = self.inverse.iter_mut().zip(&mut self.sigma).zip(&mut self.pull);
-        for (((w, z), r), ((inverse, sigma), pull)) in rows.zip(out) {
-            *inverse = 1.0 / w;
+        for ((((w, z), r), delta), ((inverse, sigma), pull)) in rows.zip(out) {
+            *inverse = 1.0 / (w + delta * z);
             *sigma = z * *inverse;
-            *pull = *sigma * r;
+            *pull = *sigma * (r + delta * z);
         }
     }
 
     /// The pull of the corrector, from the predictor's direction.
     #[inline(always)]
     pub(super) fn correct(&mut self, target: f64) {
-        let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r);
-        for ((((dw, dz), z), r), (pull, inverse)) in
+        let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r).zip(&self.delta);
+        for (((((dw, dz), z), r), delta), (pull, inverse)) in
             rows.zip(self.pull.iter_mut().zip(&self.inverse))
         {
-            *pull = (target - dw * dz + z * r) * inverse;
+            *pull = (target - dw * dz + z * (r + delta * z)) * inverse;
         }
     }
 
@@ -94,11 +127,11 @@ impl Barrier {
     #[inline(always)]
     pub(super) fn direction(&mut self) {
         let rows = self.image.iter().zip(&self.r).zip(&self.z).zip(&self.sigma).zip(&self.pull);
-        for (((((image, r), z), sigma), pull), (dw, dz)) in
-            rows.zip(self.dw.iter_mut().zip(&mut self.dz))
+        for ((((((image, r), z), sigma), pull), delta), (dw, dz)) in
+            rows.zip(&self.delta).zip(self.dw.iter_mut().zip(&mut self.dz))
         {
-            *dw = -r - image;
             *dz = pull + sigma * image - z;
+            *dw = delta * *dz - r - image;
         }
     }
 
@@ -109,11 +142,11 @@ impl Barrier {
         const LANES: usize = 4;
         let mut worst = [1.0; LANES];
         let rows = self.w.len() / LANES * LANES;
-        let chunks = self.inverse[..rows].chunks_exact(LANES);
+        let chunks = self.w[..rows].chunks_exact(LANES);
         let others = self.dw.chunks_exact(LANES).zip(self.dz.chunks_exact(LANES));
-        for ((inverse, (dw, dz)), z) in chunks.zip(others).zip(self.z.chunks_exact(LANES)) {
+        for ((w, (dw, dz)), z) in chunks.zip(others).zip(self.z.chunks_exact(LANES)) {
             for l in 0..LANES {
-                let primal = -dw[l] * inverse[l];
+                let primal = -dw[l] / w[l];
                 let dual = -dz[l] / z[l];
                 let ratio = if primal > dual { primal } else { dual };
                 worst[l] = if ratio > worst[l] { ratio } else { worst[l] };
@@ -121,7 +154,7 @@ impl Barrier {
         }
         let mut greatest = worst.iter().copied().fold(1.0, f64::max);
         for i in rows..self.w.len() {
-            greatest = greatest.max(-self.dw[i] * self.inverse[i]).max(-self.dz[i] / self.z[i]);
+            greatest = greatest.max(-self.dw[i] / self.w[i]).max(-self.dz[i] / self.z[i]);
         }
         1.0 / greatest
     }

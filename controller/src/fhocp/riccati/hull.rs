@@ -75,6 +75,11 @@ impl Hull {
         self.nu = 0.0;
     }
 
+    /// Arithmetic mean of the points.
+    pub(super) fn centre(&self) -> Vector6<f64> {
+        self.centre
+    }
+
     /// Updates the costate y = 2E (x_N - X lambda).
     #[inline(always)]
     pub(super) fn costate(&mut self, x: &Vector6<f64>, lambda: &[f64]) {

@@ -28,17 +28,28 @@ mod rows;
 mod stage;
 mod start;
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector6};
 
 use self::barrier::Barrier;
 use self::hull::Hull;
-use self::recursion::{Gain, backward, factor, forward};
+use self::recursion::{Gain, backward, costates, factor, forward};
 use self::rows::{Point, Rows, quantities};
 use self::stage::{Curvature, Gradient};
 use super::layout::Shape;
 use super::{Fhocp, FhocpSolver, Solution, SolveReport};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
+
+/// Part of the way to the boundary that a step takes.
+const TO_BOUNDARY: f64 = 0.995;
+/// Least gap aimed at, in units of the tolerance.
+const LEAST_TARGET: f64 = 0.1;
+/// Iterations without progress before giving up.
+const PATIENCE: u32 = 12;
+/// Error below which a solution that missed the tolerance is still called almost solved.
+const REDUCED_TOLERANCE: f64 = 1e-5;
+/// Weight of the dual residual among the errors.
+const DUAL_SHARE: f64 = 0.01;
 
 /// Structure-exploiting interior-point solver of the FHOCP.
 pub struct RiccatiSolver {
@@ -67,7 +78,7 @@ impl FhocpSolver for RiccatiSolver {
             work => work.insert(Work::new(shape)),
         };
         let report = work.solve(problem, &self.config);
-        if report.status.usable() {
+        if report.status != SolveStatus::Numerical {
             work.write(solution);
         }
         report
@@ -102,6 +113,9 @@ struct Work {
     curvature: Vec<Curvature>,
     gradient: Vec<Gradient>,
     gains: Vec<Gain>,
+    /// Costates of x_1..x_N, and those a full step leads to.
+    costate: Vec<Vector6<f64>>,
+    costate_next: Vec<Vector6<f64>>,
 }
 
 impl Work {
@@ -117,6 +131,8 @@ impl Work {
             curvature: vec![Curvature::default(); shape.horizon],
             gradient: vec![Gradient::default(); shape.horizon],
             gains: vec![Gain::default(); shape.horizon],
+            costate: vec![Vector6::zeros(); shape.horizon],
+            costate_next: vec![Vector6::zeros(); shape.horizon],
         };
         for point in [&mut work.point, &mut work.direction, &mut work.best] {
             point.resize(&shape);
@@ -126,28 +142,77 @@ impl Work {
         work
     }
 
+    /// Iterates from the start; the best iterate ends up in `best`.
+    #[inline(always)]
     fn solve(&mut self, problem: &Fhocp, config: &SolverConfig) -> SolveReport {
-        self.start(problem);
-        for iterations in 0..config.max_iterations {
-            let residuals = self.residuals(problem);
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("{iterations} {residuals:?}");
+        let mut least = f64::INFINITY;
+        let mut since = 0;
+        let mut iterations = 0;
+        let mut running = self.start(problem);
+        while running {
+            let error = self.residuals(problem).worst();
+            if error < least {
+                (least, since) = (error, 0);
+                self.best.copy(&self.point);
+            } else {
+                since += 1;
             }
-            if residuals.worst() <= config.tolerance {
-                return SolveReport { status: SolveStatus::Solved, iterations };
+            // An error that is not finite fails every comparison.
+            if least <= config.tolerance || !error.is_finite() || since > PATIENCE {
+                break;
             }
-            if !self.iterate(problem) {
-                return SolveReport { status: SolveStatus::Numerical, iterations };
+            if iterations == config.max_iterations {
+                break;
             }
+            iterations += 1;
+            running = self.iterate(problem, config);
         }
-        SolveReport { status: SolveStatus::MaxIterations, iterations: config.max_iterations }
+        let status = if least <= config.tolerance {
+            SolveStatus::Solved
+        } else if least <= REDUCED_TOLERANCE {
+            SolveStatus::AlmostSolved
+        } else if least.is_finite() {
+            SolveStatus::MaxIterations
+        } else {
+            SolveStatus::Numerical
+        };
+        SolveReport { status, iterations }
     }
 
     /// One predictor-corrector step; false if it broke down.
     #[inline(always)]
-    fn iterate(&mut self, problem: &Fhocp) -> bool {
-        let hull = self.rows.hull();
+    fn iterate(&mut self, problem: &Fhocp, config: &SolverConfig) -> bool {
         self.barrier.predict();
+        if !self.condense(problem) {
+            return false;
+        }
+        self.direction(problem, false);
+        let rows = self.rows.count() as f64;
+        let gap = self.barrier.gap();
+        let after = self.barrier.gap_after(self.barrier.step());
+        let centring = (after / gap).powi(3);
+        // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
+        let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
+        self.barrier.correct(target);
+        self.direction(problem, false);
+        let Point { x, u, .. } = &self.direction;
+        costates(&self.gains, x, u, &mut self.costate_next);
+
+        let step = TO_BOUNDARY * self.barrier.step();
+        self.point.advance(step, &self.direction);
+        self.barrier.advance(step);
+        self.hull.advance(step);
+        for (costate, next) in self.costate.iter_mut().zip(&self.costate_next) {
+            *costate += (next - *costate) * step;
+        }
+        self.renormalise();
+        true
+    }
+
+    /// Eliminates the slacks and the hull, and factors the rest; false if it broke down.
+    #[inline(always)]
+    fn condense(&mut self, problem: &Fhocp) -> bool {
+        let hull = self.rows.hull();
         for (t, curvature) in self.curvature.iter_mut().enumerate() {
             *curvature =
                 Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
@@ -156,30 +221,15 @@ impl Work {
             return false;
         }
         factor(problem, &self.curvature, &self.hull.p, &mut self.gains);
-
-        self.direction(problem);
-        let rows = self.rows.count() as f64;
-        let gap = self.barrier.gap();
-        let after = self.barrier.gap_after(self.barrier.step());
-        let centring = (after / gap).powi(3);
-        self.barrier.correct(centring * gap / rows);
-        self.direction(problem);
-
-        let step = 0.995 * self.barrier.step();
-        self.point.advance(step, &self.direction);
-        self.barrier.advance(step);
-        self.hull.advance(step);
-        self.renormalise();
         true
     }
 
-    /// Direction for the pulls in place.
+    /// Direction for the pulls in place; `defects` of the dynamics stand in `costate_next`.
     #[inline(always)]
-    fn direction(&mut self, problem: &Fhocp) {
+    fn direction(&mut self, problem: &Fhocp, defects: bool) {
         let hull = self.rows.hull();
         let mut u_before = problem.u_prev;
-        for (t, (gradient, curvature)) in
-            self.gradient.iter_mut().zip(&self.curvature).enumerate()
+        for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
         {
             let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
             *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
@@ -187,9 +237,10 @@ impl Work {
             u_before = *u;
         }
         let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
-        backward(problem, &self.curvature, &self.gradient, &terminal, &mut self.gains);
+        let defect = defects.then_some(&self.costate_next[..]);
+        backward(problem, &self.curvature, &self.gradient, defect, &terminal, &mut self.gains);
         let Point { x, u, s, lambda } = &mut self.direction;
-        forward(problem, &self.gains, x, u);
+        forward(problem, &self.gains, defect, x, u);
         for (t, s) in s.iter_mut().enumerate() {
             let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
             *s = self.curvature[t].slacks(&self.gradient[t], &dy);
@@ -199,14 +250,14 @@ impl Work {
         self.barrier.direction();
     }
 
-    /// The weights are the gaps of their rows; their sum is 1.
+    /// The weights sum to 1 and are the gaps of their rows.
     #[inline(always)]
     fn renormalise(&mut self) {
-        let weights = &mut self.barrier.w[self.rows.hull()..];
-        let sum: f64 = weights.iter().sum();
-        for (weight, lambda) in weights.iter_mut().zip(&mut self.point.lambda) {
-            *weight /= sum;
-            *lambda = *weight;
+        let sum: f64 = self.point.lambda.iter().sum();
+        let gaps = &mut self.barrier.w[self.rows.hull()..];
+        for (lambda, gap) in self.point.lambda.iter_mut().zip(gaps) {
+            *lambda /= sum;
+            *gap = *lambda;
         }
     }
 
@@ -217,33 +268,35 @@ impl Work {
         self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
         let primal = self.barrier.residuals();
         self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
-        let cost: f64 =
-            problem.hull_cost.iter().zip(&self.point.lambda).map(|(j, l)| j * l).sum();
+        let cost: f64 = problem.hull_cost.iter().zip(&self.point.lambda).map(|(j, l)| j * l).sum();
         let gap = self.barrier.gap() / (1.0 + cost.abs());
 
-        // Adjoint of the dynamics: pi is the costate of x_{t+1}, then of x_t.
         let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
-        let mut pi = self.hull.y;
-        let mut rate_after = Vector2::zeros();
+        let mut scale: f64 = 1.0;
+        // Stationarity of x_{t+1} without its own rows, and the rate's part on the input before.
+        let (mut after, mut rate_after) = (self.hull.y, Vector2::zeros());
         for t in (0..problem.horizon()).rev() {
             let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
             let z = self.rows.stage(t, &self.barrier.z);
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
             let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
-            pi += gradient.next_state(problem, t);
-            let model = &problem.model[t];
-            let input = gradient.input(problem, t) + gradient.rate - rate_after
-                + model.b.tr_mul(&pi);
-            dual = gradient.slack.iter().fold(dual.max(input.amax()), |d, g| d.max(g.abs()));
-            pi = model.a.tr_mul(&pi) + gradient.state(problem, t);
+            let (model, pi) = (&problem.model[t], &self.costate[t]);
+            let state = after + gradient.next_state(problem, t) - pi;
+            let input =
+                gradient.input(problem, t) + gradient.rate - rate_after + model.b.tr_mul(pi);
+            dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
+            dual = dual.max(state.amax()).max(input.amax());
+            scale = scale.max(pi.amax());
+            after = model.a.tr_mul(pi) + gradient.state(problem, t);
             rate_after = gradient.rate;
         }
-        Residuals { gap, primal, dual }
+        // Costates carry the rounding of a curvature up to 1 / delta.
+        Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
     }
 
     fn write(&self, solution: &mut Solution) {
-        solution.x.copy_from_slice(&self.point.x);
-        solution.u.copy_from_slice(&self.point.u);
-        solution.lambda.copy_from_slice(&self.point.lambda);
+        solution.x.copy_from_slice(&self.best.x);
+        solution.u.copy_from_slice(&self.best.u);
+        solution.lambda.copy_from_slice(&self.best.lambda);
     }
 }

@@ -20,6 +20,9 @@
 //! p_t = A'p - F H^-1 h + front slip,   n_t = D H^-1 h - d
 //! ```
 //!
+//! A defect c = A x + B u + C - x_{t+1} of the iterate moves p to p + P c and n to n + M'c. The
+//! costate of x_{t+1} after a full step is `P dx + M du + p`.
+//!
 //! N is formed as `G H^-1 D`: an active rate limit makes D large, and the difference would lose
 //! the digits of G.
 
@@ -40,6 +43,12 @@ pub(super) struct Gain {
     inverse: Matrix2<f64>,
     /// H^-1 h.
     offset: Vector2<f64>,
+    /// P of x_{t+1}.
+    p: Matrix6<f64>,
+    /// M of x_{t+1} and u_t.
+    m: Matrix6x2<f64>,
+    /// p of x_{t+1}.
+    gradient: Vector6<f64>,
 }
 
 /// Factors the stages backward from the terminal curvature.
@@ -74,6 +83,8 @@ pub(super) fn factor(
             f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
         }
         let gain = &mut gains[t];
+        gain.p = p;
+        gain.m = m;
         gain.inverse = inverse;
         gain.state = f * inverse;
         gain.previous = inverse * Matrix2::from_diagonal(&own.rate);
@@ -102,6 +113,7 @@ pub(super) fn backward(
     problem: &Fhocp,
     curvature: &[Curvature],
     gradient: &[Gradient],
+    defect: Option<&[Vector6<f64>]>,
     terminal: &Vector6<f64>,
     gains: &mut [Gain],
 ) {
@@ -109,6 +121,11 @@ pub(super) fn backward(
     for t in (0..problem.horizon()).rev() {
         let (model, own, gain) = (&problem.model[t], &gradient[t], &mut gains[t]);
         p += own.next_state(problem, t);
+        if let Some(defect) = defect {
+            p += gain.p * defect[t];
+            n += gain.m.tr_mul(&defect[t]);
+        }
+        gain.gradient = p;
         let h = own.input(problem, t) + own.rate + model.b.tr_mul(&p) + n;
         gain.offset = gain.inverse * h;
         p = model.a.tr_mul(&p) - gain.state * h + own.state(problem, t);
@@ -121,6 +138,7 @@ pub(super) fn backward(
 pub(super) fn forward(
     problem: &Fhocp,
     gains: &[Gain],
+    defect: Option<&[Vector6<f64>]>,
     dx: &mut [Vector6<f64>],
     du: &mut [Vector2<f64>],
 ) {
@@ -129,8 +147,24 @@ pub(super) fn forward(
     for (t, (model, gain)) in problem.model.iter().zip(gains).enumerate() {
         let u = gain.previous * v - gain.state.tr_mul(&dx[t]) - gain.offset;
         dx[t + 1] = model.a * dx[t] + model.b * u;
+        if let Some(defect) = defect {
+            dx[t + 1] += defect[t];
+        }
         du[t] = u;
         v = u;
+    }
+}
+
+/// Costates of x_1..x_N after a full step along a direction without defects.
+#[inline(always)]
+pub(super) fn costates(
+    gains: &[Gain],
+    dx: &[Vector6<f64>],
+    du: &[Vector2<f64>],
+    costates: &mut [Vector6<f64>],
+) {
+    for (t, gain) in gains.iter().enumerate() {
+        costates[t] = gain.p * dx[t + 1] + gain.m * du[t] + gain.gradient;
     }
 }
 

@@ -24,6 +24,9 @@ pub(super) const SPEED: usize = 2;
 /// Front slip angle, on x_t and u_t.
 pub(super) const FRONT: usize = 3;
 
+/// Least width of a row: a corridor may be closed, or turned inside out, by a wide margin.
+const LEAST_WIDTH: f64 = 1e-2;
+
 /// Iterate or direction: x_0..x_N, u_0..u_{N-1}, slacks of each stage, lambda.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Point {
@@ -41,6 +44,15 @@ impl Point {
         self.lambda.resize(shape.hull, 0.0);
     }
 
+    /// Copies without allocating.
+    #[inline(always)]
+    pub(super) fn copy(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.u.copy_from_slice(&other.u);
+        self.s.copy_from_slice(&other.s);
+        self.lambda.copy_from_slice(&other.lambda);
+    }
+
     /// self += step direction
     #[inline(always)]
     pub(super) fn advance(&mut self, step: f64, direction: &Self) {
@@ -54,6 +66,9 @@ impl Point {
             for k in 0..SOFT {
                 s[k] += step * ds[k];
             }
+        }
+        for (lambda, step_of) in self.lambda.iter_mut().zip(&direction.lambda) {
+            *lambda += step * step_of;
         }
     }
 }
@@ -79,12 +94,8 @@ impl Rows {
             present.then_some(first)
         };
         let rate = shape.rate.map(|limited| place(limited, 2));
-        let soft = [
-            place(true, 3),
-            place(shape.rear, 3),
-            place(shape.speed, 2),
-            place(shape.front, 3),
-        ];
+        let soft =
+            [place(true, 3), place(shape.rear, 3), place(shape.speed, 2), place(shape.front, 3)];
         Self { shape, stride, rate, soft }
     }
 
@@ -119,11 +130,6 @@ impl Rows {
         } else {
             [stage[first], stage[first + 1], stage[first + 2]]
         })
-    }
-
-    /// Whether soft constraint k is present.
-    pub(super) fn has(&self, k: usize) -> bool {
-        self.soft[k].is_some()
     }
 
     /// a' v of every row; `u_before` is the input before u_0 (zero for a direction).
@@ -164,14 +170,7 @@ impl Rows {
     pub(super) fn bounds(&self, problem: &Fhocp, out: &mut [f64]) {
         let (stages, hull) = out.split_at_mut(self.hull());
         for (t, out) in stages.chunks_exact_mut(self.stride).enumerate() {
-            for i in 0..NU {
-                out[2 * i] = problem.u_max[i];
-                out[2 * i + 1] = -problem.u_min[i];
-                if let Some(r) = self.rate[i] {
-                    out[r] = problem.du_max[i];
-                    out[r + 1] = problem.du_max[i];
-                }
-            }
+            self.inputs(out, [problem.u_max, -problem.u_min], problem.du_max);
             self.write(out, LANE, [problem.e_y_max[t], -problem.e_y_min[t], 0.0]);
             for (k, row, max) in [
                 (REAR, &problem.rear[t], problem.rear_max),
@@ -182,6 +181,36 @@ impl Rows {
             self.write(out, SPEED, [problem.speed_max, 0.0, 0.0]);
         }
         hull.fill(0.0);
+    }
+
+    /// The width of what each row bounds, its scale; that of the hull weights is their mean.
+    #[inline(always)]
+    pub(super) fn widths(&self, problem: &Fhocp, out: &mut [f64]) {
+        let (stages, hull) = out.split_at_mut(self.hull());
+        let range = problem.u_max - problem.u_min;
+        for (t, out) in stages.chunks_exact_mut(self.stride).enumerate() {
+            self.inputs(out, [range, range], problem.du_max * 2.0);
+            self.write(out, LANE, [problem.e_y_max[t] - problem.e_y_min[t]; 3]);
+            self.write(out, REAR, [2.0 * problem.rear_max; 3]);
+            self.write(out, FRONT, [2.0 * problem.front_max; 3]);
+            self.write(out, SPEED, [problem.speed_max; 3]);
+            for width in out {
+                *width = width.abs().max(LEAST_WIDTH);
+            }
+        }
+        hull.fill(1.0 / self.shape.hull as f64);
+    }
+
+    #[inline(always)]
+    fn inputs(&self, stage: &mut [f64], box_rows: [Vector2<f64>; 2], rate: Vector2<f64>) {
+        for i in 0..NU {
+            stage[2 * i] = box_rows[0][i];
+            stage[2 * i + 1] = box_rows[1][i];
+            if let Some(r) = self.rate[i] {
+                stage[r] = rate[i];
+                stage[r + 1] = rate[i];
+            }
+        }
     }
 
     #[inline(always)]
