@@ -25,6 +25,7 @@ use nalgebra::{Vector2, Vector6};
 pub use clarabel_solver::ClarabelSolver;
 pub use riccati::RiccatiSolver;
 pub use slacks::Slacks;
+pub(crate) use slacks::greatest;
 
 use crate::affine::Affine;
 use crate::status::SolveStatus;
