@@ -1,7 +1,7 @@
 //! Exploration.
 #![allow(clippy::all, clippy::unwrap_used, clippy::print_stdout)]
 mod support;
-use controller::config::SolverConfig;
+use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::*;
 use support::*;
 #[test]
@@ -16,10 +16,21 @@ fn explore() {
         Setting::race(40, 96, 6),
     ] {
         let problems = closed_loop(&setting, count);
-        let mut exact = ClarabelSolver::new(SolverConfig { tolerance: 1e-10, max_iterations: 200 });
-        let mut clarabel =
-            ClarabelSolver::new(SolverConfig { tolerance: 1e-8, max_iterations: 60 });
-        let mut ours = RiccatiSolver::new(SolverConfig { tolerance: 1e-8, max_iterations: 60 });
+        let mut exact = ClarabelSolver::new(SolverConfig {
+            method: SolverMethod::Clarabel,
+            tolerance: 1e-10,
+            max_iterations: 200,
+        });
+        let mut clarabel = ClarabelSolver::new(SolverConfig {
+            method: SolverMethod::Clarabel,
+            tolerance: 1e-8,
+            max_iterations: 60,
+        });
+        let mut ours = RiccatiSolver::new(SolverConfig {
+            method: SolverMethod::Clarabel,
+            tolerance: 1e-8,
+            max_iterations: 60,
+        });
         let (mut err, mut its, mut bad, mut cerr) = (vec![], vec![], 0, vec![]);
         let mut speed = 0.0;
         let (mut exact_fail, mut c_fail) = (0, 0);

@@ -8,7 +8,7 @@
 mod car;
 
 use controller::Affine;
-use controller::config::SolverConfig;
+use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, SlipRow, Solution};
 use nalgebra::{Vector2, Vector6};
 use rand::SeedableRng;
@@ -94,7 +94,11 @@ pub fn closed_loop(setting: &Setting, count: usize) -> Vec<Fhocp> {
     let normal = Normal::new(0.0, 1.0).unwrap();
     let mut laps: Vec<Vec<Sample>> =
         [1.4, 1.6, 1.8, 2.0].iter().map(|speed| warm_up(&car, *speed)).collect();
-    let mut solver = ClarabelSolver::new(SolverConfig { tolerance: 1e-8, max_iterations: 60 });
+    let mut solver = ClarabelSolver::new(SolverConfig {
+        method: SolverMethod::Clarabel,
+        tolerance: 1e-8,
+        max_iterations: 60,
+    });
     let mut problem = setting.blank();
     let mut solution = Solution::new(setting.horizon, setting.hull);
     let mut problems = Vec::with_capacity(count);

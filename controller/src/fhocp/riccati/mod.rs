@@ -29,6 +29,7 @@ mod stage;
 mod start;
 
 use nalgebra::{Vector2, Vector6};
+use pulp::Arch;
 
 use self::barrier::Barrier;
 use self::hull::Hull;
@@ -36,7 +37,7 @@ use self::recursion::{Gain, backward, costates, factor, forward};
 use self::rows::{Point, Rows, quantities};
 use self::stage::{Curvature, Gradient};
 use super::layout::Shape;
-use super::{Fhocp, FhocpSolver, Solution, SolveReport};
+use super::{Backend, Fhocp, FhocpSolver, Solution, SolveReport};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
 
@@ -54,6 +55,8 @@ const DUAL_SHARE: f64 = 0.01;
 /// Structure-exploiting interior-point solver of the FHOCP.
 pub struct RiccatiSolver {
     config: SolverConfig,
+    /// The widest vectors this processor has.
+    arch: Arch,
     work: Option<Work>,
 }
 
@@ -62,13 +65,20 @@ impl RiccatiSolver {
     /// solve of each shape.
     #[must_use]
     pub fn new(config: SolverConfig) -> Self {
-        Self { config, work: None }
+        Self { config, arch: Arch::new(), work: None }
+    }
+
+    /// Writes the best iterate of the last solve again.
+    pub(super) fn write(&self, solution: &mut Solution) {
+        if let Some(work) = &self.work {
+            work.write(solution);
+        }
     }
 }
 
 impl FhocpSolver for RiccatiSolver {
     fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
-        let failed = SolveReport { status: SolveStatus::Numerical, iterations: 0 };
+        let failed = report(SolveStatus::Numerical, 0);
         if !problem.is_finite() || problem.horizon() == 0 || problem.hull.is_empty() {
             return failed;
         }
@@ -77,12 +87,17 @@ impl FhocpSolver for RiccatiSolver {
             Some(work) if work.rows.shape == shape => work,
             work => work.insert(Work::new(shape)),
         };
-        let report = work.solve(problem, &self.config);
+        let config = &self.config;
+        let report = self.arch.dispatch(|| work.solve(problem, config));
         if report.status != SolveStatus::Numerical {
             work.write(solution);
         }
         report
     }
+}
+
+fn report(status: SolveStatus, iterations: u32) -> SolveReport {
+    SolveReport { status, iterations, backend: Backend::Structured }
 }
 
 /// How far an iterate is from the optimum.
@@ -176,7 +191,7 @@ impl Work {
         } else {
             SolveStatus::Numerical
         };
-        SolveReport { status, iterations }
+        report(status, iterations)
     }
 
     /// One predictor-corrector step; false if it broke down.
