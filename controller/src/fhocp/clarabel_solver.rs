@@ -15,6 +15,8 @@ use crate::status::SolveStatus;
 /// Interior-point solver Clarabel behind the FHOCP's interface.
 pub struct ClarabelSolver {
     config: SolverConfig,
+    /// Whether linear solves are refined from the start, not only after a failure.
+    refined: bool,
     built: Option<Built>,
 }
 
@@ -32,7 +34,14 @@ impl ClarabelSolver {
     /// solve of each shape.
     #[must_use]
     pub fn new(config: SolverConfig) -> Self {
-        Self { config, built: None }
+        Self { config, refined: false, built: None }
+    }
+
+    /// The same with every linear solve refined, as Clarabel does by default: slower, for
+    /// reference solutions to tight tolerances.
+    #[must_use]
+    pub fn reference(config: SolverConfig) -> Self {
+        Self { refined: true, ..Self::new(config) }
     }
 }
 
@@ -59,8 +68,8 @@ impl FhocpSolver for ClarabelSolver {
             return report(SolveStatus::Numerical, 0);
         }
         // Refinement of each linear solve costs 40 % of the time and is rarely needed.
-        let (mut status, mut iterations) = built.solve(false, &self.config);
-        if status != SolveStatus::Solved {
+        let (mut status, mut iterations) = built.solve(self.refined, &self.config);
+        if status != SolveStatus::Solved && !self.refined {
             let (again, more) = built.solve(true, &self.config);
             status = again;
             iterations += more;

@@ -15,7 +15,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 
-pub use car::{Car, PERIOD};
+use car::Car;
 
 /// What a closed loop asks of its problems.
 #[derive(Debug, Clone, Copy)]

@@ -37,6 +37,8 @@ pub(super) struct Barrier {
     /// Regularisation of each row.
     pub(super) delta: Vec<f64>,
     inverse: Vec<f64>,
+    inverse_w: Vec<f64>,
+    inverse_z: Vec<f64>,
     dw: Vec<f64>,
     dz: Vec<f64>,
 }
@@ -54,6 +56,8 @@ impl Barrier {
             &mut self.width,
             &mut self.delta,
             &mut self.inverse,
+            &mut self.inverse_w,
+            &mut self.inverse_z,
             &mut self.dw,
             &mut self.dz,
         ] {
@@ -110,6 +114,12 @@ impl Barrier {
             *sigma = z * *inverse;
             *pull = *sigma * (r + delta * z);
         }
+        for (inverse, w) in self.inverse_w.iter_mut().zip(&self.w) {
+            *inverse = 1.0 / w;
+        }
+        for (inverse, z) in self.inverse_z.iter_mut().zip(&self.z) {
+            *inverse = 1.0 / z;
+        }
     }
 
     /// The pull of the corrector, from the predictor's direction.
@@ -142,19 +152,19 @@ impl Barrier {
         const LANES: usize = 4;
         let mut worst = [1.0; LANES];
         let rows = self.w.len() / LANES * LANES;
-        let chunks = self.w[..rows].chunks_exact(LANES);
-        let others = self.dw.chunks_exact(LANES).zip(self.dz.chunks_exact(LANES));
-        for ((w, (dw, dz)), z) in chunks.zip(others).zip(self.z.chunks_exact(LANES)) {
+        let inverses = self.inverse_w.chunks_exact(LANES).zip(self.inverse_z.chunks_exact(LANES));
+        let steps = self.dw.chunks_exact(LANES).zip(self.dz.chunks_exact(LANES));
+        for ((w, z), (dw, dz)) in inverses.zip(steps) {
             for l in 0..LANES {
-                let primal = -dw[l] / w[l];
-                let dual = -dz[l] / z[l];
+                let (primal, dual) = (-dw[l] * w[l], -dz[l] * z[l]);
                 let ratio = if primal > dual { primal } else { dual };
                 worst[l] = if ratio > worst[l] { ratio } else { worst[l] };
             }
         }
         let mut greatest = worst.iter().copied().fold(1.0, f64::max);
         for i in rows..self.w.len() {
-            greatest = greatest.max(-self.dw[i] / self.w[i]).max(-self.dz[i] / self.z[i]);
+            let (primal, dual) = (-self.dw[i] * self.inverse_w[i], -self.dz[i] * self.inverse_z[i]);
+            greatest = greatest.max(primal).max(dual);
         }
         1.0 / greatest
     }

@@ -104,7 +104,11 @@ impl Hull {
         let mut scatter = Matrix6::from_diagonal(&self.compliance);
         for (point, omega) in self.points.iter().zip(&self.omega) {
             let d = point - self.mean;
-            scatter.ger(*omega, &d, &d, 1.0);
+            for (column, d_c) in scatter.data.0.iter_mut().zip(d.data.0[0]) {
+                for (entry, d_r) in column.iter_mut().zip(&d.data.0[0]) {
+                    *entry += omega * d_c * d_r;
+                }
+            }
         }
         self.system = scatter;
         self.factor = Cholesky::new(scatter);

@@ -23,17 +23,18 @@
 
 mod barrier;
 mod hull;
+mod product;
 mod recursion;
 mod rows;
 mod stage;
 mod start;
 
 use nalgebra::{Vector2, Vector6};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use self::barrier::Barrier;
 use self::hull::Hull;
-use self::recursion::{Gain, backward, costates, factor, forward};
+use self::recursion::{Gain, Model, backward, costates, factor, forward};
 use self::rows::{Point, Rows, quantities};
 use self::stage::{Curvature, Gradient};
 use super::layout::Shape;
@@ -87,9 +88,10 @@ impl FhocpSolver for RiccatiSolver {
             Some(work) if work.rows.shape == shape => work,
             work => work.insert(Work::new(shape)),
         };
-        let config = &self.config;
-        let report = self.arch.dispatch(|| work.solve(problem, config));
-        if report.status != SolveStatus::Numerical {
+        let report = self.arch.dispatch(Task { work, problem, config: &self.config });
+        if report.status != SolveStatus::Numerical
+            && let Some(work) = &self.work
+        {
             work.write(solution);
         }
         report
@@ -98,6 +100,22 @@ impl FhocpSolver for RiccatiSolver {
 
 fn report(status: SolveStatus, iterations: u32) -> SolveReport {
     SolveReport { status, iterations, backend: Backend::Structured }
+}
+
+/// One solve, compiled once for each instruction set.
+struct Task<'a> {
+    work: &'a mut Work,
+    problem: &'a Fhocp,
+    config: &'a SolverConfig,
+}
+
+impl WithSimd for Task<'_> {
+    type Output = SolveReport;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> SolveReport {
+        self.work.solve(self.problem, self.config)
+    }
 }
 
 /// How far an iterate is from the optimum.
@@ -128,6 +146,7 @@ struct Work {
     curvature: Vec<Curvature>,
     gradient: Vec<Gradient>,
     gains: Vec<Gain>,
+    models: Vec<Model>,
     /// Costates of x_1..x_N, and those a full step leads to.
     costate: Vec<Vector6<f64>>,
     costate_next: Vec<Vector6<f64>>,
@@ -145,6 +164,7 @@ impl Work {
             hull: Hull::default(),
             curvature: vec![Curvature::default(); shape.horizon],
             gradient: vec![Gradient::default(); shape.horizon],
+            models: vec![Model::default(); shape.horizon],
             gains: vec![Gain::default(); shape.horizon],
             costate: vec![Vector6::zeros(); shape.horizon],
             costate_next: vec![Vector6::zeros(); shape.horizon],
@@ -235,7 +255,7 @@ impl Work {
         if !self.hull.factor(&self.barrier.sigma[hull..]) {
             return false;
         }
-        factor(problem, &self.curvature, &self.hull.p, &mut self.gains);
+        factor(problem, &self.models, &self.curvature, &self.hull.p, &mut self.gains);
         true
     }
 
@@ -253,9 +273,17 @@ impl Work {
         }
         let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
         let defect = defects.then_some(&self.costate_next[..]);
-        backward(problem, &self.curvature, &self.gradient, defect, &terminal, &mut self.gains);
+        backward(
+            problem,
+            &self.models,
+            &self.curvature,
+            &self.gradient,
+            defect,
+            &terminal,
+            &mut self.gains,
+        );
         let Point { x, u, s, lambda } = &mut self.direction;
-        forward(problem, &self.gains, defect, x, u);
+        forward(&self.models, &self.gains, defect, x, u);
         for (t, s) in s.iter_mut().enumerate() {
             let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
             *s = self.curvature[t].slacks(&self.gradient[t], &dy);
@@ -295,14 +323,14 @@ impl Work {
             let z = self.rows.stage(t, &self.barrier.z);
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
             let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
-            let (model, pi) = (&problem.model[t], &self.costate[t]);
+            let pi = &self.costate[t];
+            let (a_pi, b_pi) = self.models[t].adjoint(pi);
             let state = after + gradient.next_state(problem, t) - pi;
-            let input =
-                gradient.input(problem, t) + gradient.rate - rate_after + model.b.tr_mul(pi);
+            let input = gradient.input(problem, t) + gradient.rate - rate_after + b_pi;
             dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
             dual = dual.max(state.amax()).max(input.amax());
             scale = scale.max(pi.amax());
-            after = model.a.tr_mul(pi) + gradient.state(problem, t);
+            after = a_pi + gradient.state(problem, t);
             rate_after = gradient.rate;
         }
         // Costates carry the rounding of a curvature up to 1 / delta.

@@ -26,17 +26,51 @@
 //! N is formed as `G H^-1 D`: an active rate limit makes D large, and the difference would lose
 //! the digits of G.
 
-use nalgebra::{Matrix2, Matrix6, Matrix6x2, Vector2, Vector6};
+use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
 
 use super::super::Fhocp;
+use super::product::{product, transpose};
 use super::rows::{FRONT, LANE, REAR, SPEED};
 use super::stage::{Curvature, Gradient};
+use crate::affine::Affine;
+
+/// A, B and their transposes of one stage.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Model {
+    a: Matrix6<f64>,
+    b: Matrix6x2<f64>,
+    a_transposed: Matrix6<f64>,
+    b_transposed: Matrix2x6<f64>,
+}
+
+impl Model {
+    #[inline(always)]
+    pub(super) fn load(&mut self, model: &Affine) {
+        self.a = model.a;
+        self.b = model.b;
+        self.a_transposed = transpose(&model.a);
+        self.b_transposed = transpose(&model.b);
+    }
+
+    /// A x + B u.
+    #[inline(always)]
+    fn apply(&self, x: &Vector6<f64>, u: &Vector2<f64>) -> Vector6<f64> {
+        product(&self.a, x) + product(&self.b, u)
+    }
+
+    /// A'p and B'p.
+    #[inline(always)]
+    pub(super) fn adjoint(&self, p: &Vector6<f64>) -> (Vector6<f64>, Vector2<f64>) {
+        (product(&self.a_transposed, p), product(&self.b_transposed, p))
+    }
+}
 
 /// Feedback of one stage: u = offset - (F H^-1)' x + (H^-1 D) v.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gain {
     /// F H^-1.
     state: Matrix6x2<f64>,
+    state_transposed: Matrix2x6<f64>,
     /// H^-1 D.
     previous: Matrix2<f64>,
     /// H^-1.
@@ -55,55 +89,50 @@ pub(super) struct Gain {
 #[inline(always)]
 pub(super) fn factor(
     problem: &Fhocp,
+    models: &[Model],
     curvature: &[Curvature],
     terminal: &Matrix6<f64>,
     gains: &mut [Gain],
 ) {
     let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
     for t in (0..problem.horizon()).rev() {
-        let (model, own) = (&problem.model[t], &curvature[t]);
+        let (model, own) = (&models[t], &curvature[t]);
         let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
-        for j in 0..3 {
-            for i in 0..3 {
-                p[(i, j)] += own.soft[REAR] * rear[i] * rear[j];
-            }
-        }
+        add_square(&mut p, rear, own.soft[REAR]);
         p[(0, 0)] += own.soft[SPEED];
         p[(5, 5)] += own.soft[LANE];
 
-        let pb = p * model.b;
-        let bm = model.b.tr_mul(&m);
-        let mut g = model.b.tr_mul(&pb) + bm + bm.transpose() + n;
-        g += Matrix2::from_diagonal(&own.input);
-        g[(1, 1)] += own.soft[FRONT] * front.steering * front.steering;
-        let h = g + Matrix2::from_diagonal(&own.rate);
-        let inverse = inverse(&h);
-        let mut f = model.a.tr_mul(&(pb + m));
+        let pb_m = product(&p, &model.b) + m;
+        let mut f = product(&model.a_transposed, &pb_m);
+        let mut g = product(&model.b_transposed, &pb_m) + product(&transpose(&m), &model.b) + n;
         for i in 0..3 {
             f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
         }
+        g[(1, 1)] += own.soft[FRONT] * front.steering * front.steering;
+        g[(0, 0)] += own.input[0];
+        g[(1, 1)] += own.input[1];
+        let rate = &own.rate;
+        let inverse =
+            inverse(&Matrix2::new(g[(0, 0)] + rate[0], g[(0, 1)], g[(1, 0)], g[(1, 1)] + rate[1]));
+        let state = product(&f, &inverse);
+        let previous = scale_columns(&inverse, rate);
         let gain = &mut gains[t];
         gain.p = p;
         gain.m = m;
         gain.inverse = inverse;
-        gain.state = f * inverse;
-        gain.previous = inverse * Matrix2::from_diagonal(&own.rate);
+        gain.state = state;
+        gain.state_transposed = transpose(&state);
+        gain.previous = previous;
         if t == 0 {
             break;
         }
-        let pa = p * model.a;
-        p = model.a.tr_mul(&pa) - gain.state * f.transpose();
-        for j in 0..3 {
-            for i in 0..3 {
-                p[(i, j)] += own.soft[FRONT] * front.velocity[i] * front.velocity[j];
-            }
-        }
-        p = symmetric(&p);
-        m = gain.state * Matrix2::from_diagonal(&own.rate);
-        n = g * gain.previous;
-        let off = 0.5 * (n[(0, 1)] + n[(1, 0)]);
-        n[(0, 1)] = off;
-        n[(1, 0)] = off;
+        let pa = product(&p, &model.a);
+        p = product(&model.a_transposed, &pa) - product(&state, &transpose(&f));
+        add_square(&mut p, &front.velocity, own.soft[FRONT]);
+        symmetrise(&mut p);
+        m = scale_columns(&state, rate);
+        n = product(&g, &previous);
+        symmetrise(&mut n);
     }
 }
 
@@ -111,6 +140,7 @@ pub(super) fn factor(
 #[inline(always)]
 pub(super) fn backward(
     problem: &Fhocp,
+    models: &[Model],
     curvature: &[Curvature],
     gradient: &[Gradient],
     defect: Option<&[Vector6<f64>]>,
@@ -119,16 +149,17 @@ pub(super) fn backward(
 ) {
     let (mut p, mut n) = (*terminal, Vector2::zeros());
     for t in (0..problem.horizon()).rev() {
-        let (model, own, gain) = (&problem.model[t], &gradient[t], &mut gains[t]);
+        let (own, gain) = (&gradient[t], &mut gains[t]);
         p += own.next_state(problem, t);
         if let Some(defect) = defect {
             p += gain.p * defect[t];
             n += gain.m.tr_mul(&defect[t]);
         }
         gain.gradient = p;
-        let h = own.input(problem, t) + own.rate + model.b.tr_mul(&p) + n;
-        gain.offset = gain.inverse * h;
-        p = model.a.tr_mul(&p) - gain.state * h + own.state(problem, t);
+        let (a_p, b_p) = models[t].adjoint(&p);
+        let h = own.input(problem, t) + own.rate + b_p + n;
+        gain.offset = product(&gain.inverse, &h);
+        p = a_p - product(&gain.state, &h) + own.state(problem, t);
         n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
     }
 }
@@ -136,7 +167,7 @@ pub(super) fn backward(
 /// The direction, forward from x_0 and u_{-1}, which do not move.
 #[inline(always)]
 pub(super) fn forward(
-    problem: &Fhocp,
+    models: &[Model],
     gains: &[Gain],
     defect: Option<&[Vector6<f64>]>,
     dx: &mut [Vector6<f64>],
@@ -144,9 +175,9 @@ pub(super) fn forward(
 ) {
     let mut v = Vector2::zeros();
     dx[0] = Vector6::zeros();
-    for (t, (model, gain)) in problem.model.iter().zip(gains).enumerate() {
-        let u = gain.previous * v - gain.state.tr_mul(&dx[t]) - gain.offset;
-        dx[t + 1] = model.a * dx[t] + model.b * u;
+    for (t, (model, gain)) in models.iter().zip(gains).enumerate() {
+        let u = product(&gain.previous, &v) - product(&gain.state_transposed, &dx[t]) - gain.offset;
+        dx[t + 1] = model.apply(&dx[t], &u);
         if let Some(defect) = defect {
             dx[t + 1] += defect[t];
         }
@@ -164,7 +195,7 @@ pub(super) fn costates(
     costates: &mut [Vector6<f64>],
 ) {
     for (t, gain) in gains.iter().enumerate() {
-        costates[t] = gain.p * dx[t + 1] + gain.m * du[t] + gain.gradient;
+        costates[t] = product(&gain.p, &dx[t + 1]) + product(&gain.m, &du[t]) + gain.gradient;
     }
 }
 
@@ -177,7 +208,39 @@ fn inverse(h: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(first, -l * second, -l * second, second)
 }
 
+/// Adds curvature g g' on the velocities.
 #[inline(always)]
-fn symmetric(p: &Matrix6<f64>) -> Matrix6<f64> {
-    (p + p.transpose()) * 0.5
+fn add_square(p: &mut Matrix6<f64>, g: &[f64; 3], curvature: f64) {
+    for j in 0..3 {
+        for i in 0..3 {
+            p[(i, j)] += curvature * g[i] * g[j];
+        }
+    }
+}
+
+/// Takes the mean of both halves.
+#[inline(always)]
+fn symmetrise<const R: usize>(p: &mut SMatrix<f64, R, R>) {
+    for j in 0..R {
+        for i in 0..j {
+            let mean = 0.5 * (p[(i, j)] + p[(j, i)]);
+            p[(i, j)] = mean;
+            p[(j, i)] = mean;
+        }
+    }
+}
+
+/// A times a diagonal.
+#[inline(always)]
+fn scale_columns<const R: usize>(
+    a: &SMatrix<f64, R, 2>,
+    diagonal: &Vector2<f64>,
+) -> SMatrix<f64, R, 2> {
+    let mut out = *a;
+    for (column, factor) in out.data.0.iter_mut().zip(&diagonal.data.0[0]) {
+        for entry in column {
+            *entry *= factor;
+        }
+    }
+    out
 }

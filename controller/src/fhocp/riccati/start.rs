@@ -34,6 +34,9 @@ impl Work {
         self.rows.bounds(problem, &mut self.barrier.b);
         self.rows.widths(problem, &mut self.barrier.width);
         self.hull.load(problem);
+        for (ours, model) in self.models.iter_mut().zip(&problem.model) {
+            ours.load(model);
+        }
         self.guess(problem);
 
         self.hull.costate(&self.point.x[shape.horizon], &self.point.lambda);
