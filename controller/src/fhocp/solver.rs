@@ -47,3 +47,33 @@ impl FhocpSolver for Solver {
         SolveReport { backend: Backend::Structured, ..first }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clarabel_takes_what_the_structured_solver_misses() {
+        let config =
+            SolverConfig { method: SolverMethod::Structured, tolerance: 1e-8, max_iterations: 60 };
+        let mut problem = Fhocp::new(3, 2);
+        problem.hull[1][0] = 1.0;
+        problem.hull_cost = vec![1.0, 0.0];
+        for model in &mut problem.model {
+            model.a.fill_diagonal(1.0);
+            model.b[(0, 0)] = 0.2;
+        }
+        problem.input_cost.fill(0.1);
+        let (mut first, mut second) = (Solution::new(3, 2), Solution::new(3, 2));
+        let mut solver = Solver::new(config.clone());
+        assert_eq!(solver.solve(&problem, &mut first).backend, Backend::Structured);
+        let hasty = SolverConfig { max_iterations: 1, ..config };
+        solver.structured = Some(RiccatiSolver::new(hasty));
+        let report = solver.solve(&problem, &mut second);
+        assert_eq!((report.status, report.backend), (SolveStatus::Solved, Backend::Clarabel));
+        assert!((first.u[0] - second.u[0]).amax() < 1e-6, "{first:?} {second:?}");
+        // A prediction that explodes is not handed over.
+        problem.model[0].a[(5, 5)] = 1e4;
+        assert_eq!(solver.solve(&problem, &mut second).backend, Backend::Structured);
+    }
+}

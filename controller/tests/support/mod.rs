@@ -6,6 +6,7 @@
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used, clippy::panic)]
 
 mod car;
+pub mod random;
 
 use controller::Affine;
 use controller::config::{SolverConfig, SolverMethod};

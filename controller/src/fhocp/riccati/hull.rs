@@ -90,6 +90,13 @@ impl Hull {
         self.y = e.component_div(&self.compliance);
     }
 
+    /// J'lambda + e'E e, with e from the costate in place.
+    #[inline(always)]
+    pub(super) fn cost(&self, cost: &[f64], lambda: &[f64]) -> f64 {
+        let weighted: f64 = cost.iter().zip(lambda).map(|(j, l)| j * l).sum();
+        weighted + 0.5 * self.compliance.dot(&self.y.component_mul(&self.y))
+    }
+
     /// Forms and factors the 6 x 6 system; false if it is not positive definite.
     #[inline(always)]
     pub(super) fn factor(&mut self, sigma: &[f64]) -> bool {

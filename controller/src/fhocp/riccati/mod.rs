@@ -36,7 +36,7 @@ use self::barrier::Barrier;
 use self::hull::Hull;
 use self::recursion::{Gain, Model, backward, costates, factor, forward};
 use self::rows::{Point, Rows, quantities};
-use self::stage::{Curvature, Gradient};
+use self::stage::{Curvature, Gradient, penalty};
 use super::layout::Shape;
 use super::{Backend, Fhocp, FhocpSolver, Solution, SolveReport};
 use crate::config::SolverConfig;
@@ -185,7 +185,8 @@ impl Work {
         let mut iterations = 0;
         let mut running = self.start(problem);
         while running {
-            let error = self.residuals(problem).worst();
+            let residuals = self.residuals(problem);
+            let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
             if error < least {
                 (least, since) = (error, 0);
                 self.best.copy(&self.point);
@@ -311,10 +312,9 @@ impl Work {
         self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
         let primal = self.barrier.residuals();
         self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
-        let cost: f64 = problem.hull_cost.iter().zip(&self.point.lambda).map(|(j, l)| j * l).sum();
-        let gap = self.barrier.gap() / (1.0 + cost.abs());
-
         let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
+        let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
+        let penalty = penalty(problem);
         let mut scale: f64 = 1.0;
         // Stationarity of x_{t+1} without its own rows, and the rate's part on the input before.
         let (mut after, mut rate_after) = (self.hull.y, Vector2::zeros());
@@ -323,6 +323,12 @@ impl Work {
             let z = self.rows.stage(t, &self.barrier.z);
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
             let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
+            let du = u - u_before;
+            cost += problem.input_cost.dot(&u.component_mul(u))
+                + problem.rate_cost.dot(&du.component_mul(&du));
+            for ((linear, quadratic), s) in penalty.iter().zip(s) {
+                cost += (linear + quadratic * s) * s;
+            }
             let pi = &self.costate[t];
             let (a_pi, b_pi) = self.models[t].adjoint(pi);
             let state = after + gradient.next_state(problem, t) - pi;
@@ -333,6 +339,7 @@ impl Work {
             after = a_pi + gradient.state(problem, t);
             rate_after = gradient.rate;
         }
+        let gap = self.barrier.gap() / (1.0 + cost.abs());
         // Costates carry the rounding of a curvature up to 1 / delta.
         Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
     }

@@ -44,6 +44,20 @@ impl Point {
         self.lambda.resize(shape.hull, 0.0);
     }
 
+    /// Whether every entry is finite.
+    #[inline(always)]
+    pub(super) fn is_finite(&self) -> bool {
+        // A factor of 0 leaves 0 of what is finite and NaN of the rest.
+        let mut sum = 0.0;
+        for (x, u) in self.x.iter().skip(1).zip(&self.u) {
+            sum += x.sum() * 0.0 + u.sum() * 0.0;
+        }
+        for lambda in &self.lambda {
+            sum += lambda * 0.0;
+        }
+        sum == 0.0
+    }
+
     /// Copies without allocating.
     #[inline(always)]
     pub(super) fn copy(&mut self, other: &Self) {
