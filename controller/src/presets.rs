@@ -37,7 +37,7 @@ impl Config {
             safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Recent },
             regression: RegressionConfig {
                 mode: RegressionMode::Error,
-                neighbors: 20,
+                neighbors: 40,
                 laps: 4,
                 bandwidth: 5.0,
                 ridge: 1e-3,
