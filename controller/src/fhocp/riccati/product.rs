@@ -28,11 +28,7 @@ pub(super) fn product<const R: usize, const K: usize, const C: usize>(
 pub(super) fn transpose<const R: usize, const C: usize>(
     a: &SMatrix<f64, R, C>,
 ) -> SMatrix<f64, C, R> {
-    let mut out = [[0.0; C]; R];
-    for r in 0..R {
-        for c in 0..C {
-            out[r][c] = a.data.0[c][r];
-        }
-    }
+    let columns = &a.data.0;
+    let out = std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]));
     SMatrix::from_array_storage(ArrayStorage(out))
 }

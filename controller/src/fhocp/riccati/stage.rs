@@ -66,10 +66,9 @@ impl Curvature {
             out.input[i] = 2.0 * problem.input_cost[i] + sigma[2 * i] + sigma[2 * i + 1];
             out.rate[i] = 2.0 * problem.rate_cost[i] + rows.rate(sigma, i).0;
         }
-        let penalty = penalty(problem);
-        for k in 0..SOFT {
+        for (k, (_, quadratic)) in penalty(problem).into_iter().enumerate() {
             if let Some([h, g, slack]) = rows.soft(sigma, k) {
-                let own = 2.0 * penalty[k].1 + slack;
+                let own = 2.0 * quadratic + slack;
                 out.inverse[k] = 1.0 / (own + h + g);
                 out.cross[k] = (g - h) * out.inverse[k];
                 out.soft[k] = ((h + g) * own + 4.0 * h * g) * out.inverse[k];
@@ -111,10 +110,8 @@ impl Gradient {
             out.rate[i] =
                 2.0 * problem.rate_cost[i] * (u[i] - u_before[i]) + rows.rate(multipliers, i).1;
         }
-        let penalty = penalty(problem);
-        for k in 0..SOFT {
+        for (k, (linear, quadratic)) in penalty(problem).into_iter().enumerate() {
             if let Some([high, low, slack]) = rows.soft(multipliers, k) {
-                let (linear, quadratic) = penalty[k];
                 out.soft[k] = high - low;
                 out.slack[k] = linear + 2.0 * quadratic * s[k] - (high + low + slack);
             }
