@@ -13,10 +13,10 @@ use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution};
 use support::{Setting, closed_loop};
 
-/// Times of one solver [us].
-struct Times(Vec<f64>);
+/// Samples of one quantity: times of a solver [us], errors.
+struct Samples(Vec<f64>);
 
-impl Times {
+impl Samples {
     fn quantile(&self, share: f64) -> f64 {
         let mut sorted = self.0.clone();
         sorted.sort_by(f64::total_cmp);
@@ -46,9 +46,11 @@ fn compare(name: &str, problems: &[Fhocp]) {
     let mut tuned_8 = ClarabelSolver::new(config(1e-8));
     let mut tuned_6 = ClarabelSolver::new(config(1e-6));
     let mut solution = Solution::new(horizon, hull);
-    let mut times = [const { Times(Vec::new()) }; 4];
+    let mut times = [const { Samples(Vec::new()) }; 4];
     let mut iterations = Vec::new();
     let mut failures = [0; 4];
+    let mut reference = ClarabelSolver::reference(config(1e-10));
+    let (mut optimum, mut errors) = (solution.clone(), Samples(Vec::new()));
     for (k, problem) in problems.iter().enumerate() {
         for i in 0..4 {
             let start = Instant::now();
@@ -65,11 +67,16 @@ fn compare(name: &str, problems: &[Fhocp]) {
             }
             failures[i] += usize::from(!report.status.usable());
             if i == 0 {
+                if reference.solve(problem, &mut optimum).status.usable() && report.status.usable()
+                {
+                    errors.0.push((solution.u[0] - optimum.u[0]).amax());
+                }
                 iterations.push(report.iterations);
             }
         }
     }
     iterations.sort_unstable();
+    let [e_50, e_99, e_max] = [0.5, 0.99, 1.0].map(|share| errors.quantile(share));
     println!("\nN {horizon}, {hull} points, {name}, {} problems", problems.len());
     let names = ["structured 1e-8", "Clarabel default, new", "Clarabel 1e-8", "Clarabel 1e-6"];
     for (name, (times, failures)) in names.iter().zip(times.iter().zip(failures)) {
@@ -94,4 +101,5 @@ fn compare(name: &str, problems: &[Fhocp]) {
         iterations[iterations.len() / 2],
         iterations[iterations.len() - 1],
     );
+    println!("  |u_0 - u_0*| to Clarabel 1e-10: median {e_50:.1e} p99 {e_99:.1e} max {e_max:.1e}");
 }

@@ -13,45 +13,30 @@
 //! 2. eliminates the slacks of each stage ([`stage`]) and the weights of the hull ([`hull`]);
 //! 3. factors what is left, a linear quadratic regulator, by the Riccati recursion
 //!    ([`recursion`]) in O(N);
-//! 4. solves twice with that factor: for the predictor (target 0), then for the corrector whose
-//!    target `s mu` and second-order term come from the predictor;
-//! 5. takes one step length for v, w and z.
+//! 4. solves twice with that factor: for the predictor (target 0), then for the corrector, whose
+//!    target and second-order term come from the predictor;
+//! 5. takes one step length for v, w and z ([`mehrotra`]).
 //!
-//! The dynamics and the sum of the weights hold from the start and stay held, since directions
+//! [`start`] says where it begins. The dynamics and the sum of the weights hold from the start and stay held, since directions
 //! keep them; only the inequalities carry residuals. All memory is laid out once per shape, and
 //! the result depends on the problem alone.
 
 mod barrier;
 mod hull;
+mod mehrotra;
 mod product;
 mod recursion;
 mod rows;
 mod stage;
 mod start;
 
-use nalgebra::{Vector2, Vector6};
 use pulp::{Arch, Simd, WithSimd};
 
-use self::barrier::Barrier;
-use self::hull::Hull;
-use self::recursion::{Gain, Model, backward, costates, factor, forward};
-use self::rows::{Point, Rows, quantities};
-use self::stage::{Curvature, Gradient, penalty};
+use self::mehrotra::Work;
 use super::layout::Shape;
 use super::{Backend, Fhocp, FhocpSolver, Solution, SolveReport};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
-
-/// Part of the way to the boundary that a step takes.
-const TO_BOUNDARY: f64 = 0.995;
-/// Least gap aimed at, in units of the tolerance.
-const LEAST_TARGET: f64 = 0.1;
-/// Iterations without progress before giving up.
-const PATIENCE: u32 = 12;
-/// Error below which a solution that missed the tolerance is still called almost solved.
-const REDUCED_TOLERANCE: f64 = 1e-5;
-/// Weight of the dual residual among the errors.
-const DUAL_SHARE: f64 = 0.01;
 
 /// Structure-exploiting interior-point solver of the FHOCP.
 pub struct RiccatiSolver {
@@ -115,238 +100,5 @@ impl WithSimd for Task<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> SolveReport {
         self.work.solve(self.problem, self.config)
-    }
-}
-
-/// How far an iterate is from the optimum.
-#[derive(Debug, Clone, Copy)]
-struct Residuals {
-    /// Duality gap relative to the cost.
-    gap: f64,
-    /// Greatest violation of a row.
-    primal: f64,
-    /// Greatest entry of the Lagrangian's gradient.
-    dual: f64,
-}
-
-impl Residuals {
-    fn worst(&self) -> f64 {
-        self.gap.max(self.primal).max(self.dual)
-    }
-}
-
-/// Memory of one shape.
-struct Work {
-    rows: Rows,
-    point: Point,
-    direction: Point,
-    best: Point,
-    barrier: Barrier,
-    hull: Hull,
-    curvature: Vec<Curvature>,
-    gradient: Vec<Gradient>,
-    gains: Vec<Gain>,
-    models: Vec<Model>,
-    /// Costates of x_1..x_N, and those a full step leads to.
-    costate: Vec<Vector6<f64>>,
-    costate_next: Vec<Vector6<f64>>,
-}
-
-impl Work {
-    fn new(shape: Shape) -> Self {
-        let rows = Rows::of(shape);
-        let mut work = Self {
-            rows,
-            point: Point::default(),
-            direction: Point::default(),
-            best: Point::default(),
-            barrier: Barrier::default(),
-            hull: Hull::default(),
-            curvature: vec![Curvature::default(); shape.horizon],
-            gradient: vec![Gradient::default(); shape.horizon],
-            models: vec![Model::default(); shape.horizon],
-            gains: vec![Gain::default(); shape.horizon],
-            costate: vec![Vector6::zeros(); shape.horizon],
-            costate_next: vec![Vector6::zeros(); shape.horizon],
-        };
-        for point in [&mut work.point, &mut work.direction, &mut work.best] {
-            point.resize(&shape);
-        }
-        work.barrier.resize(rows.count());
-        work.hull.resize(shape.hull);
-        work
-    }
-
-    /// Iterates from the start; the best iterate ends up in `best`.
-    #[inline(always)]
-    fn solve(&mut self, problem: &Fhocp, config: &SolverConfig) -> SolveReport {
-        let mut least = f64::INFINITY;
-        let mut since = 0;
-        let mut iterations = 0;
-        let mut running = self.start(problem);
-        while running {
-            let residuals = self.residuals(problem);
-            let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
-            if error < least {
-                (least, since) = (error, 0);
-                self.best.copy(&self.point);
-            } else {
-                since += 1;
-            }
-            // An error that is not finite fails every comparison.
-            if least <= config.tolerance || !error.is_finite() || since > PATIENCE {
-                break;
-            }
-            if iterations == config.max_iterations {
-                break;
-            }
-            iterations += 1;
-            running = self.iterate(problem, config);
-        }
-        let status = if least <= config.tolerance {
-            SolveStatus::Solved
-        } else if least <= REDUCED_TOLERANCE {
-            SolveStatus::AlmostSolved
-        } else if least.is_finite() {
-            SolveStatus::MaxIterations
-        } else {
-            SolveStatus::Numerical
-        };
-        report(status, iterations)
-    }
-
-    /// One predictor-corrector step; false if it broke down.
-    #[inline(always)]
-    fn iterate(&mut self, problem: &Fhocp, config: &SolverConfig) -> bool {
-        self.barrier.predict();
-        if !self.condense(problem) {
-            return false;
-        }
-        self.direction(problem, false);
-        let rows = self.rows.count() as f64;
-        let gap = self.barrier.gap();
-        let after = self.barrier.gap_after(self.barrier.step());
-        let centring = (after / gap).powi(3);
-        // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
-        let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
-        self.barrier.correct(target);
-        self.direction(problem, false);
-        let Point { x, u, .. } = &self.direction;
-        costates(&self.gains, x, u, &mut self.costate_next);
-
-        let step = TO_BOUNDARY * self.barrier.step();
-        self.point.advance(step, &self.direction);
-        self.barrier.advance(step);
-        self.hull.advance(step);
-        for (costate, next) in self.costate.iter_mut().zip(&self.costate_next) {
-            *costate += (next - *costate) * step;
-        }
-        self.renormalise();
-        true
-    }
-
-    /// Eliminates the slacks and the hull, and factors the rest; false if it broke down.
-    #[inline(always)]
-    fn condense(&mut self, problem: &Fhocp) -> bool {
-        let hull = self.rows.hull();
-        for (t, curvature) in self.curvature.iter_mut().enumerate() {
-            *curvature =
-                Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
-        }
-        if !self.hull.factor(&self.barrier.sigma[hull..]) {
-            return false;
-        }
-        factor(problem, &self.models, &self.curvature, &self.hull.p, &mut self.gains);
-        true
-    }
-
-    /// Direction for the pulls in place; `defects` of the dynamics stand in `costate_next`.
-    #[inline(always)]
-    fn direction(&mut self, problem: &Fhocp, defects: bool) {
-        let hull = self.rows.hull();
-        let mut u_before = problem.u_prev;
-        for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
-        {
-            let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
-            *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
-            curvature.eliminate(gradient);
-            u_before = *u;
-        }
-        let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
-        let defect = defects.then_some(&self.costate_next[..]);
-        backward(
-            problem,
-            &self.models,
-            &self.curvature,
-            &self.gradient,
-            defect,
-            &terminal,
-            &mut self.gains,
-        );
-        let Point { x, u, s, lambda } = &mut self.direction;
-        forward(&self.models, &self.gains, defect, x, u);
-        for (t, s) in s.iter_mut().enumerate() {
-            let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
-            *s = self.curvature[t].slacks(&self.gradient[t], &dy);
-        }
-        self.hull.direction(&x[problem.horizon()], lambda);
-        self.rows.image(problem, &self.direction, Vector2::zeros(), &mut self.barrier.image);
-        self.barrier.direction();
-    }
-
-    /// The weights sum to 1 and are the gaps of their rows.
-    #[inline(always)]
-    fn renormalise(&mut self) {
-        let sum: f64 = self.point.lambda.iter().sum();
-        let gaps = &mut self.barrier.w[self.rows.hull()..];
-        for (lambda, gap) in self.point.lambda.iter_mut().zip(gaps) {
-            *lambda /= sum;
-            *gap = *lambda;
-        }
-    }
-
-    /// Residuals of the iterate, those of the rows left in place for the next step.
-    #[inline(always)]
-    fn residuals(&mut self, problem: &Fhocp) -> Residuals {
-        let hull = self.rows.hull();
-        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
-        let primal = self.barrier.residuals();
-        self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
-        let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
-        let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
-        let penalty = penalty(problem);
-        let mut scale: f64 = 1.0;
-        // Stationarity of x_{t+1} without its own rows, and the rate's part on the input before.
-        let (mut after, mut rate_after) = (self.hull.y, Vector2::zeros());
-        for t in (0..problem.horizon()).rev() {
-            let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
-            let z = self.rows.stage(t, &self.barrier.z);
-            let (u, s) = (&self.point.u[t], &self.point.s[t]);
-            let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
-            let du = u - u_before;
-            cost += problem.input_cost.dot(&u.component_mul(u))
-                + problem.rate_cost.dot(&du.component_mul(&du));
-            for ((linear, quadratic), s) in penalty.iter().zip(s) {
-                cost += (linear + quadratic * s) * s;
-            }
-            let pi = &self.costate[t];
-            let (a_pi, b_pi) = self.models[t].adjoint(pi);
-            let state = after + gradient.next_state(problem, t) - pi;
-            let input = gradient.input(problem, t) + gradient.rate - rate_after + b_pi;
-            dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
-            dual = dual.max(state.amax()).max(input.amax());
-            scale = scale.max(pi.amax());
-            after = a_pi + gradient.state(problem, t);
-            rate_after = gradient.rate;
-        }
-        let gap = self.barrier.gap() / (1.0 + cost.abs());
-        // Costates carry the rounding of a curvature up to 1 / delta.
-        Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
-    }
-
-    fn write(&self, solution: &mut Solution) {
-        solution.x.copy_from_slice(&self.best.x);
-        solution.u.copy_from_slice(&self.best.u);
-        solution.lambda.copy_from_slice(&self.best.lambda);
     }
 }

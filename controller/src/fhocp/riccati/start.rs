@@ -9,7 +9,7 @@
 use nalgebra::Vector6;
 
 use super::super::Fhocp;
-use super::Work;
+use super::mehrotra::Work;
 use super::rows::{SOFT, SPEED, quantities};
 use super::stage::penalty;
 
