@@ -95,10 +95,11 @@ fn compare(name: &str, problems: &[Fhocp]) {
         ratio(0, 3, 0.0),
     );
     println!(
-        "  Clarabel 1e-6 / default new {:.3}; structured p99 / median {:.2}; iterations median {} max {}",
+        "  Clarabel 1e-6 / default new {:.3}; structured p99 / median {:.2}; iterations median {} mean {:.2} max {}",
         ratio(3, 1, 0.5),
         times[0].quantile(0.99) / times[0].quantile(0.5),
         iterations[iterations.len() / 2],
+        f64::from(iterations.iter().sum::<u32>()) / iterations.len() as f64,
         iterations[iterations.len() - 1],
     );
     println!("  |u_0 - u_0*| to Clarabel 1e-10: median {e_50:.1e} p99 {e_99:.1e} max {e_max:.1e}");

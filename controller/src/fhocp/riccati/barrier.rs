@@ -122,14 +122,15 @@ impl Barrier {
         }
     }
 
-    /// The pull of the corrector, from the predictor's direction.
+    /// The pull of the corrector; `second` weights the second-order term of the direction in
+    /// place.
     #[inline(always)]
-    pub(super) fn correct(&mut self, target: f64) {
+    pub(super) fn correct(&mut self, target: f64, second: f64) {
         let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r).zip(&self.delta);
         for (((((dw, dz), z), r), delta), (pull, inverse)) in
             rows.zip(self.pull.iter_mut().zip(&self.inverse))
         {
-            *pull = (target - dw * dz + z * (r + delta * z)) * inverse;
+            *pull = (target - second * dw * dz + z * (r + delta * z)) * inverse;
         }
     }
 

@@ -15,6 +15,10 @@ use crate::status::SolveStatus;
 
 /// Part of the way to the boundary that a step takes.
 const TO_BOUNDARY: f64 = 0.995;
+/// Steps below this are tried again with more centring.
+const SHORT: f64 = 0.2;
+/// Centring of that second try.
+const RECENTRING: f64 = 0.5;
 /// Least gap aimed at, in units of the tolerance.
 const LEAST_TARGET: f64 = 0.1;
 /// Iterations without progress before giving up.
@@ -135,12 +139,18 @@ impl Work {
         let centring = (after / gap).powi(3);
         // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
         let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
-        self.barrier.correct(target);
+        self.barrier.correct(target, 1.0);
         self.direction(problem, false);
+        let mut step = self.barrier.step();
+        if step < SHORT {
+            // The second-order term misleads far from the central path: go back towards it.
+            self.barrier.correct(target.max(RECENTRING * gap / rows), 0.0);
+            self.direction(problem, false);
+            step = self.barrier.step();
+        }
+        let step = TO_BOUNDARY * step;
         let Point { x, u, .. } = &self.direction;
         costates(&self.gains, x, u, &mut self.costate_next);
-
-        let step = TO_BOUNDARY * self.barrier.step();
         self.point.advance(step, &self.direction);
         self.barrier.advance(step);
         self.hull.advance(step);
