@@ -21,9 +21,10 @@
 //! gradient of the Riccati recursion. Working with the increment dy about y, with points centred
 //! on their mean, keeps the digits that absolute multipliers and long tracks would lose.
 
-use nalgebra::{Cholesky, Const, Matrix6, Vector6};
+use nalgebra::{Cholesky, Matrix6, Vector6};
 
 use super::super::Fhocp;
+use super::product::product;
 
 /// Added to each sigma_j: bounds omega_j, and with it the condition of the scatter.
 const REGULARISATION: f64 = 1e-7;
@@ -42,7 +43,6 @@ pub(super) struct Hull {
     mean: Vector6<f64>,
     total: f64,
     system: Matrix6<f64>,
-    factor: Option<Cholesky<f64, Const<6>>>,
     /// Terminal curvature P.
     pub(super) p: Matrix6<f64>,
     /// g_j.
@@ -118,8 +118,7 @@ impl Hull {
             }
         }
         self.system = scatter;
-        self.factor = Cholesky::new(scatter);
-        let Some(factor) = &self.factor else { return false };
+        let Some(factor) = Cholesky::new(scatter) else { return false };
         self.p = factor.inverse();
         true
     }
@@ -139,19 +138,16 @@ impl Hull {
         for ((g, point), omega) in self.g.iter().zip(&self.points).zip(&self.omega) {
             self.c += (point - self.mean) * (omega * (g - self.g_mean));
         }
-        self.y - self.p * self.c
+        self.y - product(&self.p, &self.c)
     }
 
     /// Steps of the weights, given that of x_N.
     #[inline(always)]
     pub(super) fn direction(&mut self, dx: &Vector6<f64>, d_lambda: &mut [f64]) {
         let right = dx - self.c;
-        let mut dy = self.p * right;
-        if let Some(factor) = &self.factor {
-            dy = factor.solve(&right);
-            // One refinement: the system's condition grows as weights leave the hull.
-            dy += factor.solve(&(right - self.system * dy));
-        }
+        let mut dy = product(&self.p, &right);
+        // One refinement: the system's condition grows as weights leave the hull.
+        dy += product(&self.p, &(right - product(&self.system, &dy)));
         let mut sum = 0.0;
         for (((d_lambda, g), point), omega) in
             d_lambda.iter_mut().zip(&self.g).zip(&self.points).zip(&self.omega)
