@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{
     Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
-    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, WarmUpConfig,
+    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
+    WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -72,7 +73,11 @@ impl Config {
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
-            solver: SolverConfig { tolerance: 1e-8, max_iterations: 60 },
+            solver: SolverConfig {
+                method: SolverMethod::Clarabel,
+                tolerance: 1e-8,
+                max_iterations: 60,
+            },
         }
     }
 
