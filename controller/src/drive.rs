@@ -183,23 +183,22 @@ impl Controller {
         input
     }
 
-    /// Turns the wanted input into a command and queues what will act; what leaves the queue
-    /// acts in the coming period.
+    /// Turns the wanted input into a command; where it leads is queued, and what leaves the
+    /// queue acts in the coming period.
     pub(crate) fn commit(&mut self, wanted: Input) -> Input {
         let memory = &mut self.memory;
-        let driven = self.setup.actuators.drive(memory.position, wanted);
-        memory.position = driven.position;
-        memory.queue.push_back(driven.mean);
-        let acting = memory.queue.pop_front().unwrap_or(driven.mean);
+        let (command, reached) = self.setup.actuators.lead(memory.u_prev, wanted);
+        memory.queue.push_back(reached);
+        let acting = memory.queue.pop_front().unwrap_or(reached);
         if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())
         {
             sample.u = acting;
         }
-        memory.u_prev = driven.mean;
-        memory.command = driven.command;
+        memory.u_prev = reached;
+        memory.command = command;
         memory.shifted = false;
         self.prepared = false;
-        driven.command
+        command
     }
 
     /// The state at which the coming command will act: through the queued inputs.

@@ -31,12 +31,10 @@ pub(crate) struct Memory {
     pub(crate) suspects: u32,
     /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
-    /// Input of the last period decided on, as it acts.
+    /// Last input decided on: where the last command leads the actuators.
     pub(crate) u_prev: Input,
     /// Last command.
     pub(crate) command: Input,
-    /// Position of the actuators at the end of that period.
-    pub(crate) position: Input,
     /// Latest plan.
     pub(crate) plan: Plan,
     /// Whether the plan already starts at the coming measurement.
@@ -88,7 +86,6 @@ impl Memory {
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
             command: Input::default(),
-            position: Input::default(),
             plan: Plan::default(),
             shifted: false,
             plan_age: 0,

@@ -74,7 +74,7 @@ impl Config {
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
             solver: SolverConfig {
-                method: SolverMethod::Clarabel,
+                method: SolverMethod::Structured,
                 tolerance: 1e-8,
                 max_iterations: 60,
             },
