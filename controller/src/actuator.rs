@@ -8,15 +8,26 @@
 //! ```
 //!
 //! Commanding what brings the *mean* of the period there would ring: p would overshoot by 72 %
-//! where T = dt.
+//! where T = dt. What acts on the car is still the mean,
+//!
+//! ```text
+//! mean = (1 - beta) p + beta p(dt),   beta = m / e,   m = 1 - T/dt e
+//! ```
+//!
+//! so that the model of stage t, in terms of its input u_t, sees u_{t-1} too. u_{-1} is known; for
+//! later stages u_{t-1} differs from its plan about as u_t does from its own.
 
 use vehicle_model::{CarParams, Input};
+
+use crate::affine::Affine;
 
 /// Actuators of a car over one period.
 #[derive(Debug, Clone)]
 pub(crate) struct Actuators {
     /// e: share of the way to the command covered in one period.
     share: f64,
+    /// beta: weight of the period's end in its mean.
+    beta: f64,
     least: Input,
     most: Input,
 }
@@ -24,8 +35,10 @@ pub(crate) struct Actuators {
 impl Actuators {
     pub(crate) fn new(car: &CarParams, dt: f64) -> Self {
         let lag = car.actuator_lag;
+        let share = if lag > 0.0 { -(-dt / lag).exp_m1() } else { 1.0 };
         Self {
-            share: if lag > 0.0 { -(-dt / lag).exp_m1() } else { 1.0 },
+            share,
+            beta: (1.0 - lag / dt * share) / share,
             least: Input { a: car.a_min, delta: -car.delta_max },
             most: Input { a: car.a_max, delta: car.delta_max },
         }
@@ -47,6 +60,27 @@ impl Actuators {
     }
 }
 
+impl Actuators {
+    /// Mean input of a period that leads from one position to another.
+    pub(crate) fn mean(&self, from: Input, to: Input) -> Input {
+        let mean = |from: f64, to: f64| (1.0 - self.beta) * from + self.beta * to;
+        Input { a: mean(from.a, to.a), delta: mean(from.delta, to.delta) }
+    }
+
+    /// The model of the mean input as one of the first stage's input; `before` is known.
+    pub(crate) fn first_stage(&self, model: &Affine, before: Input) -> Affine {
+        let known = model.b * before.to_vector() * (1.0 - self.beta);
+        Affine { a: model.a, b: model.b * self.beta, c: model.c + known }
+    }
+
+    /// The model of the mean input as one of a later stage's input, about the planned inputs of
+    /// the stage before and its own.
+    pub(crate) fn later_stage(&self, model: &Affine, before: Input, own: Input) -> Affine {
+        let late = (before.to_vector() - own.to_vector()) * (1.0 - self.beta);
+        Affine { a: model.a, b: model.b, c: model.c + model.b * late }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,10 +91,14 @@ mod tests {
         let (dt, steps) = (0.1, 100_000);
         let (from, wanted) = (Input { a: -1.0, delta: 0.05 }, Input { a: 0.5, delta: 0.07 });
         let (command, reached) = Actuators::new(&car, dt).lead(from, wanted);
-        let (mut p, h) = (from.a, dt / f64::from(steps));
+        let (mut p, mut sum, h) = (from.a, 0.0, dt / f64::from(steps));
         for _ in 0..steps {
-            p += h / car.actuator_lag * (command.a - p);
+            let next = p + h / car.actuator_lag * (command.a - p);
+            sum += 0.5 * (p + next);
+            p = next;
         }
+        let mean = Actuators::new(&car, dt).mean(from, reached).a;
+        assert!((sum / f64::from(steps) - mean).abs() < 1e-5, "{mean}");
         assert!((p - wanted.a).abs() < 1e-5, "{p}");
         assert!((reached.a - wanted.a).abs() < 1e-12);
     }

@@ -183,13 +183,14 @@ impl Controller {
         input
     }
 
-    /// Turns the wanted input into a command; where it leads is queued, and what leaves the
+    /// Turns the wanted input into a command; what it makes act is queued, and what leaves the
     /// queue acts in the coming period.
     pub(crate) fn commit(&mut self, wanted: Input) -> Input {
         let memory = &mut self.memory;
         let (command, reached) = self.setup.actuators.lead(memory.u_prev, wanted);
-        memory.queue.push_back(reached);
-        let acting = memory.queue.pop_front().unwrap_or(reached);
+        let mean = self.setup.actuators.mean(memory.u_prev, reached);
+        memory.queue.push_back(mean);
+        let acting = memory.queue.pop_front().unwrap_or(mean);
         if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())
         {
             sample.u = acting;

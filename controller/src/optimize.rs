@@ -74,7 +74,9 @@ impl Workspace {
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         let mode = setup.config.regression.mode;
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
-            self.problem.model[t] = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
+            let acting = setup.actuators.mean(before(memory, t), *u);
+            self.problem.model[t] =
+                learned_model::nominal(&setup.model, mode, &setup.track, x, &acting);
             self.problem.front[t] = front_slip(&setup.car, x, u);
             // The lane and the rear guard bind the state at the stage's end.
             let next = &memory.plan.x[t + 1];
@@ -89,8 +91,16 @@ impl Workspace {
         let (data, config) = (&memory.derived.regression, &setup.config.regression);
         self.supports.clear();
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
-            let (error, support) = learned_model::error(data, config, x, u, &mut self.scratch);
-            self.problem.model[t] = self.problem.model[t] + error;
+            let before = before(memory, t);
+            let acting = setup.actuators.mean(before, *u);
+            let (error, support) =
+                learned_model::error(data, config, x, &acting, &mut self.scratch);
+            let learned = self.problem.model[t] + error;
+            self.problem.model[t] = if t == 0 {
+                setup.actuators.first_stage(&learned, before)
+            } else {
+                setup.actuators.later_stage(&learned, before, *u)
+            };
             self.supports.push(support);
         }
     }
@@ -160,6 +170,11 @@ impl Workspace {
         let (error, support) = learned_model::error(data, &setup.config.regression, x, u, scratch);
         LearnedModel { nominal, error, support }
     }
+}
+
+/// The planned input before stage `t`.
+fn before(memory: &Memory, t: usize) -> Input {
+    if t == 0 { memory.u_prev } else { memory.plan.u[t - 1] }
 }
 
 /// A limit of which 0 means none.
