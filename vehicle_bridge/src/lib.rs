@@ -1,1 +1,3 @@
 //! Hosts of the racing LMPC.
+
+pub mod transport;
