@@ -21,7 +21,7 @@ pub const OPERATOR_ACK: &str = "OP/ACK";
 /// [`Track`](crate::Track).
 pub const TRACK: &str = "MAP/TRACK";
 
-/// Longest name LCM allows. [B]
+/// Longest name LCM allows. \[B\]
 pub const MAX_LENGTH: usize = 63;
 
 /// True for a name every LCM implementation takes: 1 to 63 bytes, none of them a space or a control

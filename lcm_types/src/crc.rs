@@ -2,7 +2,7 @@
 
 use crate::Error;
 
-/// Bytes the checksum takes: an `int32_t`. [B]
+/// Bytes the checksum takes: an `int32_t`. \[B\]
 pub const SIZE: usize = 4;
 
 /// CRC-32 of `bytes`, equal to Python's `zlib.crc32`.

@@ -15,11 +15,11 @@ pub enum Error {
     Short {
         /// Field being read.
         field: Cow<'static, str>,
-        /// Where. [B]
+        /// Where. \[B\]
         offset: usize,
-        /// Bytes the field takes at least. [B]
+        /// Bytes the field takes at least. \[B\]
         needed: usize,
-        /// Bytes left. [B]
+        /// Bytes left. \[B\]
         left: usize,
     },
     /// A length is negative or larger than the message accounts for.
@@ -27,7 +27,7 @@ pub enum Error {
     Length {
         /// Field being read.
         field: Cow<'static, str>,
-        /// Where. [B]
+        /// Where. \[B\]
         offset: usize,
         /// The length. [-]
         found: i64,
@@ -39,7 +39,7 @@ pub enum Error {
     Boolean {
         /// Field being read.
         field: Cow<'static, str>,
-        /// Where. [B]
+        /// Where. \[B\]
         offset: usize,
         /// The byte found.
         found: u8,
@@ -49,7 +49,7 @@ pub enum Error {
     Utf8 {
         /// Field being read.
         field: Cow<'static, str>,
-        /// Where. [B]
+        /// Where. \[B\]
         offset: usize,
     },
     /// A string holds a NUL, or does not end in one.
@@ -57,7 +57,7 @@ pub enum Error {
     Nul {
         /// Field being read or written.
         field: Cow<'static, str>,
-        /// Where. [B]
+        /// Where. \[B\]
         offset: usize,
     },
     /// The message is of another type, or of another version of it.
@@ -75,7 +75,7 @@ pub enum Error {
     Trailing {
         /// Type being read.
         name: Cow<'static, str>,
-        /// Number of bytes. [B]
+        /// Number of bytes. \[B\]
         bytes: usize,
     },
     /// The checksum does not fit the bytes.
@@ -130,9 +130,9 @@ pub enum Error {
     LogSize {
         /// "channel" or "message".
         what: &'static str,
-        /// Its size. [B]
+        /// Its size. \[B\]
         found: usize,
-        /// Largest size. [B]
+        /// Largest size. \[B\]
         limit: usize,
     },
     /// A log file cannot be read or written.

@@ -11,7 +11,7 @@ pub const MAX_EMPTY_ROWS: usize = 4096;
 
 /// Something with a place in a message.
 pub trait Wire: Sized {
-    /// Fewest bytes a value takes. [B]
+    /// Fewest bytes a value takes. \[B\]
     const MIN_SIZE: usize;
 
     /// Appends the value.
@@ -93,7 +93,7 @@ impl<'a> Reader<'a> {
         Self { all: bytes, offset: 0, empty_rows: MAX_EMPTY_ROWS, field }
     }
 
-    /// Bytes not yet taken. [B]
+    /// Bytes not yet taken. \[B\]
     #[must_use]
     pub fn left(&self) -> usize {
         self.all.len() - self.offset

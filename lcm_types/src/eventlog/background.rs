@@ -39,7 +39,7 @@ impl BackgroundWriter {
         Ok(Self { queue: Some(queue), thread: Some(thread), dropped: Arc::default() })
     }
 
-    /// Queues one event, received at `utime` [us since 1970]; never blocks.
+    /// Queues one event, received at `utime` \[us since 1970\]; never blocks.
     pub fn push(&self, utime: i64, channel: &str, data: &[u8]) {
         let event = Event { number: 0, utime, channel: channel.to_owned(), data: data.to_vec() };
         let taken = self.queue.as_ref().is_some_and(|queue| queue.try_send(event).is_ok());

@@ -16,11 +16,11 @@ pub use writer::Writer;
 
 /// What every event begins with.
 pub const SYNC: u32 = 0xEDA1_DA01;
-/// Bytes before the channel. [B]
+/// Bytes before the channel. \[B\]
 pub const HEADER: usize = 28;
-/// Longest channel in a log. [B]
+/// Longest channel in a log. \[B\]
 pub const MAX_CHANNEL: usize = 255;
-/// Largest message in a log; a larger length is taken for damage. [B]
+/// Largest message in a log; a larger length is taken for damage. \[B\]
 pub const MAX_MESSAGE: usize = 64 << 20;
 
 /// One message of a log.
@@ -28,7 +28,7 @@ pub const MAX_MESSAGE: usize = 64 << 20;
 pub struct Event {
     /// Number of the event, as written by the logger. [-]
     pub number: i64,
-    /// When the logger received it, since 1970. [us]
+    /// When the logger received it, since 1970. \[us\]
     pub utime: i64,
     /// Channel.
     pub channel: String,

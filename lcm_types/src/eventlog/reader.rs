@@ -12,7 +12,7 @@ const CHUNK: usize = 64 << 10;
 pub struct Damage {
     /// Places where the log did not go on with an event. [-]
     pub places: u64,
-    /// Bytes skipped there. [B]
+    /// Bytes skipped there. \[B\]
     pub bytes: u64,
 }
 

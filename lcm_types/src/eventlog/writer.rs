@@ -18,7 +18,7 @@ impl<W: Write> Writer<W> {
         Self { out, next: 0 }
     }
 
-    /// Appends one event, received at `utime` [us since 1970].
+    /// Appends one event, received at `utime` \[us since 1970\].
     ///
     /// # Errors
     /// [`Error::LogSize`] for a channel or message no log holds, [`Error::Io`].

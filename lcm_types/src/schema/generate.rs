@@ -188,7 +188,7 @@ fn message(out: &mut String, structure: &Struct, fingerprint: u64) -> std::fmt::
 }
 
 impl Schema {
-    /// Fewest bytes a value of the type takes on the wire: variable arrays are empty. [B]
+    /// Fewest bytes a value of the type takes on the wire: variable arrays are empty. \[B\]
     #[must_use]
     pub fn min_size(&self, structure: &Struct) -> usize {
         self.min_size_below(structure, 0)

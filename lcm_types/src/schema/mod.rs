@@ -97,7 +97,7 @@ impl Primitive {
         Self::ALL[self as usize].1
     }
 
-    /// Fewest bytes one value takes on the wire; a string is its length and a NUL. [B]
+    /// Fewest bytes one value takes on the wire; a string is its length and a NUL. \[B\]
     #[must_use]
     pub fn min_size(self) -> usize {
         match self {

@@ -11,9 +11,9 @@ const FRAGMENT: [u8; 4] = *b"LC03";
 const SHORT_HEADER: usize = 8;
 const FRAGMENT_HEADER: usize = 20;
 
-/// Largest channel, NUL and message of a short datagram, as liblcm sends them. [B]
+/// Largest channel, NUL and message of a short datagram, as liblcm sends them. \[B\]
 pub(super) const MAX_SHORT: usize = 65_499;
-/// Largest part of a fragment, as liblcm sends them; in fragment 0 channel and NUL included. [B]
+/// Largest part of a fragment, as liblcm sends them; in fragment 0 channel and NUL included. \[B\]
 pub(super) const MAX_PART: usize = 65_487;
 
 /// A datagram of the right shape.

@@ -36,7 +36,7 @@ pub enum Error {
     /// A message above the limit.
     #[error("message of {found} bytes, expected at most {MAX_MESSAGE}")]
     TooLarge {
-        /// Its size. [B]
+        /// Its size. \[B\]
         found: usize,
     },
     /// A message could not be sent.

@@ -40,9 +40,9 @@ pub use url::{DEFAULT_URL, UdpmOptions, Url};
 /// When a message arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Arrival {
-    /// Wall clock, since 1970: for logs. [us]
+    /// Wall clock, since 1970: for logs. \[us\]
     pub utime: i64,
-    /// `CLOCK_MONOTONIC` of this host: for ages. [ns]
+    /// `CLOCK_MONOTONIC` of this host: for ages. \[ns\]
     pub mono_ns: i64,
 }
 

@@ -6,9 +6,9 @@ use super::datagram::Fragment;
 
 /// Messages in pieces at one time; the least recently touched gives way to a new one. [-]
 pub const MAX_PARTIAL: usize = 8;
-/// Largest message. [B]
+/// Largest message. \[B\]
 pub const MAX_MESSAGE: usize = 1 << 20;
-/// A message not whole this long after its first fragment is given up. [ns]
+/// A message not whole this long after its first fragment is given up. \[ns\]
 pub const EXPIRY_NS: i64 = 200_000_000;
 /// Most fragments of a message: parts of 512 bytes, far below what any sender uses. [-]
 const MAX_FRAGMENTS: usize = MAX_MESSAGE / 512;

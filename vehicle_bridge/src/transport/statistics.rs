@@ -15,7 +15,7 @@ pub struct Statistics {
     pub send_errors: u64,
     /// Messages received whole, subscribed to or not. [-]
     pub received: u64,
-    /// Bytes of those messages. [B]
+    /// Bytes of those messages. \[B\]
     pub bytes: u64,
     /// Datagrams that are no LCM, and fragments at odds with their message. [-]
     pub malformed: u64,
@@ -50,7 +50,7 @@ pub struct SenderStatistics {
     pub late: u64,
     /// Sequence number expected next.
     next: u32,
-    /// When the last message came, `CLOCK_MONOTONIC`. [ns]
+    /// When the last message came, `CLOCK_MONOTONIC`. \[ns\]
     pub last_mono_ns: i64,
 }
 

@@ -25,7 +25,7 @@ const SELF_TEST: &str = "LCM_SELF_TEST";
 const POLL: Duration = Duration::from_millis(50);
 /// A sender waits this long for room in the kernel's send buffer.
 const SEND_TIMEOUT: Duration = Duration::from_millis(10);
-/// The largest UDP datagram. [B]
+/// The largest UDP datagram. \[B\]
 const MAX_DATAGRAM: usize = 65_535;
 const ROUTE_HINT: &str = " (no route for multicast? `ip route add 224.0.0.0/4 dev lo`)";
 
@@ -222,7 +222,7 @@ impl Receiver {
     fn receive(
         &mut self,
         buffer: &mut [u8],
-        control: &mut Vec<u8>,
+        control: &mut [u8],
     ) -> io::Result<(usize, SocketAddrV4, Arrival)> {
         let mut slices = [IoSliceMut::new(buffer)];
         let descriptor = self.socket.as_raw_fd();

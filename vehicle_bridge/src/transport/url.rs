@@ -29,7 +29,7 @@ pub struct UdpmOptions {
     pub group: SocketAddrV4,
     /// Networks a datagram may cross: 0 stays on this host, 1 on the local network. [-]
     pub ttl: u32,
-    /// Size of the kernel's receive buffer. [B]
+    /// Size of the kernel's receive buffer. \[B\]
     pub recv_buf_size: usize,
     /// Address of the interface to use; 0.0.0.0 leaves it to the routes.
     pub interface: Ipv4Addr,
