@@ -29,19 +29,29 @@ const SEND_TIMEOUT: Duration = Duration::from_millis(10);
 const MAX_DATAGRAM: usize = 65_535;
 const ROUTE_HINT: &str = " (no route for multicast? `ip route add 224.0.0.0/4 dev lo`)";
 
-/// A connection to a multicast group; receives in a thread of its own until it is dropped.
+/// A connection to a multicast group. From the first subscription on it receives in a thread of its
+/// own; a program that only sends is not woken by its own messages.
 pub struct Udpm {
+    options: UdpmOptions,
     sender: Socket,
     sequence: AtomicU32,
     subscriber: Subscriber,
     statistics: Arc<Mutex<Statistics>>,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    receiving: Mutex<Receiving>,
     warnings: Vec<String>,
 }
 
+/// The receiving side, before and after the first subscription.
+#[derive(Default)]
+struct Receiving {
+    waiting: Option<(Receiver, Option<ThreadStart>)>,
+    thread: Option<JoinHandle<()>>,
+}
+
 impl Udpm {
-    /// Joins the group.
+    /// Opens the sockets; the group is joined at the first subscription, whose receiving thread
+    /// begins with `start`.
     ///
     /// # Errors
     /// [`Error::Socket`] naming the step the system refused.
@@ -58,17 +68,26 @@ impl Udpm {
             statistics: Arc::clone(&statistics),
             stop: Arc::clone(&stop),
         };
-        let thread = Builder::new()
-            .name("lcm-udpm".to_owned())
-            .spawn(move || {
-                if let Some(start) = start {
-                    start();
-                }
-                receiver.run();
-            })
-            .map_err(|source| refused("starting the receiving thread", options, source))?;
-        let (sequence, thread) = (AtomicU32::new(0), Some(thread));
-        Ok(Self { sender, sequence, subscriber, statistics, stop, thread, warnings })
+        let receiving = Mutex::new(Receiving { waiting: Some((receiver, start)), thread: None });
+        let (options, sequence) = (options.clone(), AtomicU32::new(0));
+        Ok(Self { options, sender, sequence, subscriber, statistics, stop, receiving, warnings })
+    }
+
+    /// Joins the group and starts the receiving thread, unless that was done before.
+    fn receive(&self) -> Result<(), Error> {
+        let mut receiving = self.receiving.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((receiver, _)) = &receiving.waiting else { return Ok(()) };
+        join(&receiver.socket, &self.options)?;
+        let Some((receiver, start)) = receiving.waiting.take() else { return Ok(()) };
+        let thread = Builder::new().name("lcm-udpm".to_owned()).spawn(move || {
+            if let Some(start) = start {
+                start();
+            }
+            receiver.run();
+        });
+        let failed = |source| refused("starting the receiving thread", &self.options, source);
+        receiving.thread = Some(thread.map_err(failed)?);
+        Ok(())
     }
 
     fn send(&self, channel: &str, payload: &[u8]) -> io::Result<()> {
@@ -108,7 +127,8 @@ impl Transport for Udpm {
 
     fn subscribe(&self, filter: Filter, sink: Box<dyn Sink>) -> Result<(), Error> {
         check_filter(&filter)?;
-        self.subscriber.add(filter, sink)
+        self.subscriber.add(filter, sink)?;
+        self.receive()
     }
 
     fn statistics(&self) -> Statistics {
@@ -123,7 +143,8 @@ impl Transport for Udpm {
 impl Drop for Udpm {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
+        let receiving = self.receiving.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Some(thread) = receiving.thread.take() {
             // A panic of the thread was printed when it happened.
             let _ = thread.join();
         }
@@ -166,11 +187,6 @@ fn receiving_socket(options: &UdpmOptions) -> Result<(Socket, Vec<String>), Erro
     // Other LCM programs on this host listen on the same port.
     socket.set_reuse_address(true).map_err(failed("sharing the port"))?;
     socket.set_recv_buffer_size(options.recv_buf_size).map_err(failed("sizing the buffer"))?;
-    // Bound to the group and not to all addresses: datagrams sent to this host alone stay out.
-    socket.bind(&options.group.into()).map_err(failed("binding to the group"))?;
-    socket
-        .join_multicast_v4(options.group.ip(), &options.interface)
-        .map_err(failed("joining the group"))?;
     socket.set_read_timeout(Some(POLL)).map_err(failed("setting the receive timeout"))?;
     let option = |result: nix::Result<()>| result.map_err(io::Error::from);
     option(setsockopt(&socket, sockopt::ReceiveTimestampns, &true))
@@ -189,6 +205,15 @@ fn receiving_socket(options: &UdpmOptions) -> Result<(Socket, Vec<String>), Erro
         Vec::new()
     };
     Ok((socket, warnings))
+}
+
+fn join(socket: &Socket, options: &UdpmOptions) -> Result<(), Error> {
+    let failed = |step| move |source| refused(step, options, source);
+    // Bound to the group and not to all addresses: datagrams sent to this host alone stay out.
+    socket.bind(&options.group.into()).map_err(failed("binding to the group"))?;
+    socket
+        .join_multicast_v4(options.group.ip(), &options.interface)
+        .map_err(failed("joining the group"))
 }
 
 /// What the receiving thread owns.
