@@ -114,8 +114,8 @@ fn a_sink_may_publish_and_the_thread_start_runs_first() {
         let (tell, told) = std::sync::mpsc::channel();
         let start = move || tell.send(std::thread::current().name().map(str::to_owned)).unwrap();
         let network = transport::open(URL, Some(Box::new(start))).unwrap();
-        assert_eq!(told.recv().unwrap().as_deref(), Some("lcm-udpm"));
         let answers = subscribed(&*network, "ANSWER", Inbox::latest());
+        assert_eq!(told.recv_timeout(PATIENCE).unwrap().as_deref(), Some("lcm-udpm"));
         let answering = std::sync::Arc::clone(&network);
         let answer = move |message: &Message<'_>| {
             answering.publish("ANSWER", message.payload).unwrap();

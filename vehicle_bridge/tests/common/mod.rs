@@ -18,13 +18,14 @@ pub(crate) fn isolated(test: &str, setup: &str, url: &str, body: impl FnOnce()) 
         return body();
     }
     let output = Command::new("unshare")
-        .args(["-rn", "sh", "-c", &format!("{setup} && exec \"$@\""), "sh"])
+        // A test that hangs is a test that failed.
+        .args(["-rn", "timeout", "300", "sh", "-c", &format!("{setup} && exec \"$@\""), "sh"])
         .arg(std::env::current_exe().unwrap())
         .args(["--exact", test, "--nocapture"])
         .env("LMPC_ISOLATED", "1")
         .env("LCM_DEFAULT_URL", url)
         .output()
-        .expect("`unshare` of util-linux");
+        .expect("`unshare` of util-linux, see tools/setup.sh");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (out, err) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "in the namespace:\n{out}\n{err}");
