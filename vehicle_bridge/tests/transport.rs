@@ -190,6 +190,22 @@ fn memq_works_through_liblcm() {
 
 #[cfg(feature = "liblcm")]
 #[test]
+fn mpudpm_works_through_liblcm() {
+    let url = "mpudpm://239.255.76.67:7667?ttl=0";
+    isolated("mpudpm_works_through_liblcm", MULTICAST, url, || {
+        let network = transport::open(url, None).unwrap();
+        let inbox = subscribed(&*network, "A", Inbox::queue(100));
+        // Its senders learn from the others which port a channel has: the first may go unheard.
+        let received = (0..200).find_map(|_| {
+            network.publish("A", b"over many ports").unwrap();
+            inbox.wait(Duration::from_millis(100))
+        });
+        assert_eq!(received.unwrap().payload, b"over many ports");
+    });
+}
+
+#[cfg(feature = "liblcm")]
+#[test]
 fn a_file_written_through_liblcm_is_a_log() {
     let path = std::env::temp_dir().join("lmpc-file-provider.lcmlog");
     let url = format!("file://{}?mode=w", path.display());
