@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use common::{MULTICAST, URL, isolated};
-use vehicle_bridge::transport::{self, Filter, Inbox, MAX_MESSAGE, Message, Received, Transport};
+use vehicle_bridge::transport::{self, Filter, Inbox, MAX_MESSAGE, Message, Transport};
 
 mod common;
 
@@ -140,7 +140,8 @@ fn a_sink_may_publish_and_the_thread_start_runs_first() {
     });
 }
 
-fn payloads(messages: &[Received]) -> Vec<&[u8]> {
+#[cfg(feature = "liblcm")]
+fn payloads(messages: &[transport::Received]) -> Vec<&[u8]> {
     messages.iter().map(|m| m.payload.as_slice()).collect()
 }
 
@@ -165,7 +166,7 @@ fn both_implementations_deliver_the_same() {
                 // One at a time: liblcm's queue would drop the newest.
                 std::thread::sleep(Duration::from_millis(5));
             }
-            let collect = |inbox: &Inbox| -> Vec<Received> {
+            let collect = |inbox: &Inbox| -> Vec<transport::Received> {
                 messages.iter().map(|_| inbox.wait(PATIENCE).unwrap()).collect()
             };
             let (from_rust, from_c) = (collect(&at_rust), collect(&at_c));
