@@ -7,7 +7,9 @@ race:
 
 test:
 	tools/setup.sh race test
+	tools/setup-lcm.sh
 	cargo test --workspace --release
+	tests/interop/types.sh
 
 lint:
 	cargo fmt --check

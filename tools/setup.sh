@@ -19,9 +19,15 @@ for job in "$@"; do
     case "$job" in
     race)
         need gcc "links the program" "command -v cc"
+        need liblcm-dev "the C library behind the LCM networks other than UDP" "test -e /usr/include/lcm/lcm.h"
         need libc6-dev "C start-up code the linker needs" "echo 'int main(void){return 0;}' | cc -x c - -o /dev/null"
         ;;
-    test) ;;
+    test)
+        need liblcm-bin "lcm-gen and lcm-logger, what our messages and logs are compared with" "command -v lcm-gen"
+        need iproute2 "sets up the network namespaces the network tests run in" "command -v ip"
+        need util-linux "makes those namespaces" "command -v unshare"
+        need python3-venv "the official Python package of LCM goes in a venv" "python3 -c 'import ensurepip'"
+        ;;
     *)
         echo "setup: unknown job '$job' (race, test)" >&2
         exit 2

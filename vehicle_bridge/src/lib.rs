@@ -14,3 +14,4 @@ pub mod race;
 pub mod report;
 pub mod settings;
 pub mod study;
+pub mod transport;

@@ -1,0 +1,58 @@
+//! Writing a log.
+
+use std::io::Write;
+
+use super::{HEADER, MAX_CHANNEL, MAX_MESSAGE, SYNC};
+use crate::Error;
+
+/// Appends events to anything that takes bytes; wrap files in a `BufWriter`.
+#[derive(Debug)]
+pub struct Writer<W> {
+    out: W,
+    next: i64,
+}
+
+impl<W: Write> Writer<W> {
+    /// A log on `out`, whose first event is number 0.
+    pub fn new(out: W) -> Self {
+        Self { out, next: 0 }
+    }
+
+    /// Appends one event, received at `utime` \[us since 1970\].
+    ///
+    /// # Errors
+    /// [`Error::LogSize`] for a channel or message no log holds, [`Error::Io`].
+    pub fn write(&mut self, utime: i64, channel: &str, data: &[u8]) -> Result<(), Error> {
+        let channel_length = size("channel", channel.len(), 1, MAX_CHANNEL)?;
+        let data_length = size("message", data.len(), 0, MAX_MESSAGE)?;
+        let mut header = [0; HEADER];
+        header[0..4].copy_from_slice(&SYNC.to_be_bytes());
+        header[4..12].copy_from_slice(&self.next.to_be_bytes());
+        header[12..20].copy_from_slice(&utime.to_be_bytes());
+        header[20..24].copy_from_slice(&channel_length.to_be_bytes());
+        header[24..28].copy_from_slice(&data_length.to_be_bytes());
+        self.out.write_all(&header)?;
+        self.out.write_all(channel.as_bytes())?;
+        self.out.write_all(data)?;
+        self.next += 1;
+        Ok(())
+    }
+
+    /// Hands everything on to the operating system.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn flush(&mut self) -> Result<(), Error> {
+        Ok(self.out.flush()?)
+    }
+
+    /// The bytes' destination, as it is.
+    pub fn into_inner(self) -> W {
+        self.out
+    }
+}
+
+fn size(what: &'static str, found: usize, least: usize, limit: usize) -> Result<i32, Error> {
+    let fits = (least..=limit).contains(&found);
+    i32::try_from(found).ok().filter(|_| fits).ok_or(Error::LogSize { what, found, limit })
+}

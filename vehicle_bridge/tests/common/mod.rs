@@ -1,0 +1,33 @@
+//! Runs a test again inside a network namespace of its own: nothing it sends can leave, and no
+//! other test hears it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
+
+use std::process::Command;
+
+/// The group of the tests.
+pub(crate) const URL: &str = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
+
+/// The loopback interface with multicast on it.
+pub(crate) const MULTICAST: &str = "ip link set lo up && ip link set lo multicast on && \
+                                    ip route add 224.0.0.0/4 dev lo";
+
+/// Runs `body` in the test called `test`, alone in a namespace set up by the commands in `setup`,
+/// with `url` where liblcm looks for it.
+pub(crate) fn isolated(test: &str, setup: &str, url: &str, body: impl FnOnce()) {
+    if std::env::var_os("LMPC_ISOLATED").is_some() {
+        return body();
+    }
+    let output = Command::new("unshare")
+        // A test that hangs is a test that failed.
+        .args(["-rn", "timeout", "300", "sh", "-c", &format!("{setup} && exec \"$@\""), "sh"])
+        .arg(std::env::current_exe().unwrap())
+        .args(["--exact", test, "--nocapture"])
+        .env("LMPC_ISOLATED", "1")
+        .env("LCM_DEFAULT_URL", url)
+        .output()
+        .expect("`unshare` of util-linux, see tools/setup.sh");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "in the namespace:\n{out}\n{err}");
+    assert!(out.contains("1 passed"), "`{test}` is no test:\n{out}\n{err}");
+}
