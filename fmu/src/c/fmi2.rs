@@ -1,0 +1,397 @@
+//! The FMI 2.0 co-simulation functions, generic over the model. `export_fmu!` gives them their
+//! C names; meaning and arguments are those of the FMI 2.0.4 standard, chapters 2.1 and 4.2.
+
+use std::ffi::{c_char, c_void};
+use std::path::PathBuf;
+use std::ptr::null_mut;
+
+use super::logger::{Callback, Logger, Logger2};
+use super::{call, pointer};
+use crate::description::Version::{self, Fmi2};
+use crate::instance::{Boolean2, Element, Instance};
+use crate::log::{Filter, Message};
+use crate::model::Model;
+use crate::registry;
+use crate::status::{Fault, Status};
+
+/// `fmi2CallbackFunctions`.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Callbacks {
+    /// Receives messages.
+    pub logger: Option<Logger2>,
+    /// Unused: memory is our own.
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    /// Unused.
+    pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// Unused: no step is pending after its call.
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, i32)>,
+    /// Handed back to the logger.
+    pub environment: *mut c_void,
+}
+
+/// `fmi2CoSimulation` of `fmi2Type`.
+const CO_SIMULATION: i32 = 1;
+/// Members of `fmi2StatusKind`.
+const LAST_SUCCESSFUL_TIME: i32 = 2;
+const TERMINATED: i32 = 3;
+
+/// `fmi2Instantiate`.
+///
+/// # Safety
+/// Strings end with a zero byte; `callbacks` is null or points to a `fmi2CallbackFunctions`.
+pub unsafe fn instantiate<M: Model>(
+    name: *const c_char,
+    kind: i32,
+    token: *const c_char,
+    resources: *const c_char,
+    callbacks: *const Callbacks,
+    logging: i32,
+) -> *mut c_void {
+    // SAFETY: null or valid by the caller's promise.
+    let callbacks = unsafe { callbacks.as_ref() };
+    let (log, environment) = callbacks.map_or((None, null_mut()), |c| (c.logger, c.environment));
+    let callback = log.map_or(Callback::None, Callback::Fmi2);
+    let check = || {
+        if kind != CO_SIMULATION {
+            return Err(Fault::Refused("this FMU is for co-simulation only".to_owned()));
+        }
+        // SAFETY: the caller's promise.
+        let folder = match unsafe { optional_text("resource location", resources) }? {
+            Some(uri) => folder_of(uri),
+            None => None,
+        };
+        Ok(folder)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { make::<M>(Fmi2, name, token, callback, environment, logging != 0, check) }
+}
+
+/// What both versions do to make an instance; null if anything is wrong.
+///
+/// # Safety
+/// Strings end with a zero byte.
+pub(super) unsafe fn make<M: Model>(
+    version: Version,
+    name: *const c_char,
+    token: *const c_char,
+    callback: Callback,
+    environment: *mut c_void,
+    logging: bool,
+    folder: impl FnOnce() -> Result<Option<PathBuf>, Fault>,
+) -> *mut c_void {
+    let mut shown = String::from("?");
+    let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        // SAFETY: the caller's promise.
+        let name = unsafe { pointer::text("instance name", name) }?;
+        shown = name.to_owned();
+        // SAFETY: the caller's promise.
+        let token = unsafe { pointer::text("token", token) }?;
+        let expected = M::description().token();
+        if name.is_empty() {
+            return Err(Fault::Refused("the instance name is empty".to_owned()));
+        }
+        if token != expected {
+            return Err(Fault::Refused(format!(
+                "token '{token}' does not match this library's '{expected}': \
+                 the model description belongs to another build"
+            )));
+        }
+        Ok(Instance::<M>::new(version, folder()?, Filter::new(logging)))
+    }));
+    let logger = Logger::new(callback, environment, &shown);
+    let fault = match made {
+        Ok(Ok(instance)) => {
+            return std::ptr::without_provenance_mut(registry::insert(instance, logger));
+        }
+        Ok(Err(fault)) => fault.to_string(),
+        Err(payload) => crate::instance::panic_text(&*payload),
+    };
+    logger.send(&Message { status: Status::Error, text: format!("instantiate: {fault}") });
+    null_mut()
+}
+
+/// A text that may be null or empty.
+///
+/// # Safety
+/// The string ends with a zero byte.
+pub(super) unsafe fn optional_text<'a>(
+    what: &str,
+    text: *const c_char,
+) -> Result<Option<&'a str>, Fault> {
+    if text.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller's promise.
+    let text = unsafe { pointer::text(what, text) }?;
+    Ok((!text.is_empty()).then_some(text))
+}
+
+/// The folder of a `file:` URI (RFC 8089); hosts that pass a plain path get what they mean.
+fn folder_of(uri: &str) -> Option<PathBuf> {
+    let Some(rest) = uri.strip_prefix("file:") else {
+        return Some(PathBuf::from(uri));
+    };
+    let path = rest.strip_prefix("//").map_or(rest, |r| r.strip_prefix("localhost").unwrap_or(r));
+    let mut bytes = Vec::new();
+    let mut left = path.bytes();
+    while let Some(byte) = left.next() {
+        if byte == b'%' {
+            let digits = [left.next()?, left.next()?];
+            bytes.push(u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    let path = String::from_utf8(bytes).ok()?;
+    // "/C:/x" is how a drive letter appears in a URI.
+    let drive = path.len() > 2 && path.as_bytes()[0] == b'/' && path.as_bytes()[2] == b':';
+    Some(PathBuf::from(if drive { &path[1..] } else { &path }))
+}
+
+/// `fmi2FreeInstance`.
+pub fn free_instance(component: *mut c_void) {
+    super::free(component);
+}
+
+/// `fmi2SetDebugLogging`.
+///
+/// # Safety
+/// `categories` points to `n` strings.
+pub unsafe fn set_debug_logging<M: Model>(
+    component: *mut c_void,
+    version: Version,
+    function: &str,
+    on: bool,
+    n: usize,
+    categories: *const *const c_char,
+) -> i32 {
+    call::<M>(component, version, function, |instance| {
+        // SAFETY: the caller's promise.
+        let names = unsafe { pointer::texts("categories", categories, n) }?;
+        instance.filter = Filter::choose(on, &names).map_err(Fault::Refused)?;
+        Ok(())
+    })
+}
+
+/// `fmi2SetupExperiment`.
+pub fn setup_experiment<M: Model>(
+    component: *mut c_void,
+    start: f64,
+    stop_defined: i32,
+    stop: f64,
+) -> i32 {
+    let name = "fmi2SetupExperiment";
+    let stop = (stop_defined != 0).then_some(stop);
+    call::<M>(component, Fmi2, name, |instance| instance.set_times(name, start, stop))
+}
+
+/// `fmi2EnterInitializationMode`.
+pub fn enter_initialization_mode<M: Model>(component: *mut c_void) -> i32 {
+    let name = "fmi2EnterInitializationMode";
+    call::<M>(component, Fmi2, name, |instance| instance.enter_initialization(name))
+}
+
+/// `ExitInitializationMode` of either version.
+pub fn exit_initialization_mode<M: Model>(
+    component: *mut c_void,
+    version: Version,
+    name: &str,
+) -> i32 {
+    call::<M>(component, version, name, |instance| instance.exit_initialization(name))
+}
+
+/// `Terminate` of either version.
+pub fn terminate<M: Model>(component: *mut c_void, version: Version, name: &str) -> i32 {
+    call::<M>(component, version, name, |instance| instance.terminate(name))
+}
+
+/// `Reset` of either version.
+pub fn reset<M: Model>(component: *mut c_void, version: Version, name: &str) -> i32 {
+    call::<M>(component, version, name, |instance| instance.reset(name))
+}
+
+/// `fmi2GetReal` and `fmi2GetInteger`, by the type of `values`.
+///
+/// # Safety
+/// `references` and `values` point to `n` elements each.
+#[allow(private_bounds)]
+pub unsafe fn get<M: Model, T: Element>(
+    component: *mut c_void,
+    name: &str,
+    references: *const u32,
+    n: usize,
+    values: *mut T,
+) -> i32 {
+    call::<M>(component, Fmi2, name, |instance| {
+        // SAFETY: the caller's promise.
+        let references = unsafe { pointer::slice("value references", references, n) }?;
+        // SAFETY: the caller's promise.
+        let values = unsafe { pointer::slice_mut("values", values, n) }?;
+        instance.get(name, references, values)
+    })
+}
+
+/// `fmi2GetBoolean`.
+///
+/// # Safety
+/// As for [`get`].
+pub unsafe fn get_boolean<M: Model>(
+    component: *mut c_void,
+    references: *const u32,
+    n: usize,
+    values: *mut i32,
+) -> i32 {
+    // SAFETY: Boolean2 is a transparent i32; the rest is the caller's promise.
+    unsafe { get::<M, _>(component, "fmi2GetBoolean", references, n, values.cast::<Boolean2>()) }
+}
+
+/// `GetString` of either version.
+///
+/// # Safety
+/// As for [`get`].
+pub unsafe fn get_string<M: Model>(
+    component: *mut c_void,
+    version: Version,
+    name: &str,
+    references: *const u32,
+    n: usize,
+    values: *mut *const c_char,
+) -> i32 {
+    call::<M>(component, version, name, |instance| {
+        // SAFETY: the caller's promise.
+        let references = unsafe { pointer::slice("value references", references, n) }?;
+        // SAFETY: the caller's promise.
+        let values = unsafe { pointer::slice_mut("values", values, n) }?;
+        instance.get_texts(name, references, values)
+    })
+}
+
+/// `fmi2SetReal` and `fmi2SetInteger`, by the type of `values`.
+///
+/// # Safety
+/// `references` and `values` point to `n` elements each.
+#[allow(private_bounds)]
+pub unsafe fn set<M: Model, T: Element>(
+    component: *mut c_void,
+    name: &str,
+    references: *const u32,
+    n: usize,
+    values: *const T,
+) -> i32 {
+    call::<M>(component, Fmi2, name, |instance| {
+        // SAFETY: the caller's promise.
+        let references = unsafe { pointer::slice("value references", references, n) }?;
+        // SAFETY: the caller's promise.
+        let values = unsafe { pointer::slice("values", values, n) }?;
+        instance.set(name, references, values)
+    })
+}
+
+/// `fmi2SetBoolean`.
+///
+/// # Safety
+/// As for [`set`].
+pub unsafe fn set_boolean<M: Model>(
+    component: *mut c_void,
+    references: *const u32,
+    n: usize,
+    values: *const i32,
+) -> i32 {
+    // SAFETY: Boolean2 is a transparent i32; the rest is the caller's promise.
+    unsafe { set::<M, _>(component, "fmi2SetBoolean", references, n, values.cast::<Boolean2>()) }
+}
+
+/// `SetString` of either version.
+///
+/// # Safety
+/// As for [`set`]; every string ends with a zero byte.
+pub unsafe fn set_string<M: Model>(
+    component: *mut c_void,
+    version: Version,
+    name: &str,
+    references: *const u32,
+    n: usize,
+    values: *const *const c_char,
+) -> i32 {
+    call::<M>(component, version, name, |instance| {
+        // SAFETY: the caller's promise.
+        let references = unsafe { pointer::slice("value references", references, n) }?;
+        // SAFETY: the caller's promise.
+        let values = unsafe { pointer::texts("values", values, n) }?;
+        let values: Vec<String> = values.into_iter().map(str::to_owned).collect();
+        instance.set_texts(name, references, &values)
+    })
+}
+
+/// `fmi2DoStep`.
+pub fn do_step<M: Model>(component: *mut c_void, begin: f64, size: f64) -> i32 {
+    let name = "fmi2DoStep";
+    call::<M>(component, Fmi2, name, |instance| instance.do_step(name, begin, size))
+}
+
+/// `fmi2GetRealStatus`: the time reached is always known.
+///
+/// # Safety
+/// `value` is null or can be written to.
+pub unsafe fn get_real_status<M: Model>(component: *mut c_void, kind: i32, value: *mut f64) -> i32 {
+    let name = "fmi2GetRealStatus";
+    call::<M>(component, Fmi2, name, |instance| {
+        // SAFETY: the caller's promise.
+        let value = unsafe { pointer::out("value", value) }?;
+        if kind != LAST_SUCCESSFUL_TIME {
+            return Err(Fault::Discard(format!("{name}: no such status ({kind})")));
+        }
+        *value = instance.core.time;
+        Ok(())
+    })
+}
+
+/// `fmi2GetBooleanStatus`: the model never asks to end the simulation.
+///
+/// # Safety
+/// `value` is null or can be written to.
+pub unsafe fn get_boolean_status<M: Model>(
+    component: *mut c_void,
+    kind: i32,
+    value: *mut i32,
+) -> i32 {
+    let name = "fmi2GetBooleanStatus";
+    call::<M>(component, Fmi2, name, |_| {
+        // SAFETY: the caller's promise.
+        let value = unsafe { pointer::out("value", value) }?;
+        if kind != TERMINATED {
+            return Err(Fault::Discard(format!("{name}: no such status ({kind})")));
+        }
+        *value = 0;
+        Ok(())
+    })
+}
+
+/// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: no step is ever pending, so
+/// there is nothing to tell.
+pub fn no_status<M: Model>(component: *mut c_void, name: &str) -> i32 {
+    call::<M>(component, Fmi2, name, |_| {
+        Err(Fault::Discard(format!("{name}: steps are never pending, so there is no such status")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resource_uris_become_folders() {
+        let cases = [
+            ("file:///a/b%20c/resources", "/a/b c/resources"),
+            ("file:/a/resources", "/a/resources"),
+            ("file://localhost/a", "/a"),
+            ("file:///C:/x/resources", "C:/x/resources"),
+            ("/plain/path", "/plain/path"),
+        ];
+        for (uri, path) in cases {
+            assert_eq!(folder_of(uri), Some(PathBuf::from(path)), "{uri}");
+        }
+        assert_eq!(folder_of("file:///broken%2"), None);
+    }
+}
