@@ -1,3 +1,41 @@
 //! Learning model predictive control with error dynamics regression for autonomous racing
 //! (Xue, Zhu, Dolan, Borrelli 2023).
+//!
+//! | in the paper | here |
+//! |---|---|
+//! | data D^j, cost-to-go | [`learning::dataset`] |
+//! | safe set SS^j | [`learning::safe_set`] |
+//! | error dynamics regression | [`learning::regression`] |
+//! | FHOCP | [`fhocp`] |
+//! | the loop | [`Controller`] |
 #![forbid(unsafe_code)]
+
+mod affine;
+pub mod config;
+mod controller;
+mod drive;
+mod error;
+pub mod fhocp;
+mod learn;
+mod learned_model;
+pub mod learning;
+mod memory;
+mod observe;
+mod optimize;
+mod plan;
+mod presets;
+mod status;
+mod store;
+mod tracking;
+
+pub use affine::Affine;
+pub use config::Config;
+pub use controller::Controller;
+pub use error::{ConfigError, DataError};
+pub use learned_model::LearnedModel;
+pub use plan::Plan;
+pub use presets::Preset;
+pub use status::{
+    Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, SolveStatus,
+    Status,
+};

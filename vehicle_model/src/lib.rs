@@ -6,6 +6,18 @@
 //! radians.
 #![forbid(unsafe_code)]
 
+pub mod discretized;
+pub mod error;
+pub mod model;
+pub mod params;
+pub mod slip;
 pub mod state;
+pub mod track;
 
+pub use discretized::{Discretized, Linearization};
+pub use error::ModelError;
+pub use model::{AxleForces, Model, ModelKind, PoseConvention};
+pub use params::{CarParams, ParamProblem, Tyre};
+pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};
+pub use track::{Projection, Segment, Track, TrackError};

@@ -1,0 +1,346 @@
+//! Configuration of the controller, as read from TOML, with its limits.
+//!
+//! Keys are words; the paper's symbol stands in the doc of each. Units end the key where the
+//! value has one. Every key has a default: that of the preset named by `preset`, `race` if none
+//! is named.
+
+use serde::{Deserialize, Serialize};
+use vehicle_model::NX;
+
+use crate::error::ConfigError;
+use crate::presets::Preset;
+
+/// Everything a study varies about the controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// The set of defaults the other keys override.
+    pub preset: Preset,
+    /// Horizon and sampling.
+    pub horizon: Horizon,
+    /// Safe set and cost-to-go.
+    pub safe_set: SafeSetConfig,
+    /// Error dynamics regression.
+    pub regression: RegressionConfig,
+    /// Nominal model.
+    pub nominal: NominalConfig,
+    /// Weights of the optimal control problem.
+    pub cost: CostConfig,
+    /// Constraints beside the input box, which belongs to the car.
+    pub limits: LimitsConfig,
+    /// The initial laps.
+    pub warm_up: WarmUpConfig,
+    /// Delay compensation.
+    pub delay: DelayConfig,
+    /// QP solver.
+    pub solver: SolverConfig,
+}
+
+/// Horizon and sampling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Horizon {
+    /// Number of steps N. Longer horizons learn faster and, from slow laps, less safely. [2, 200]
+    pub steps: usize,
+    /// Sampling period dt [s].
+    #[serde(rename = "period_s")]
+    pub period: f64,
+    /// RK4 sub-steps of the nominal model in one period. [1, 200]
+    pub substeps: usize,
+}
+
+/// Which laps the safe set takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Selection {
+    /// The P fastest laps (Rosolia); holds lap times better once the limit is reached.
+    Fastest,
+    /// The P most recent laps (the paper).
+    Recent,
+}
+
+/// Safe set and cost-to-go (paper, eqs. for SS and Q).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SafeSetConfig {
+    /// Samples taken from each lap, K. With the horizon it sets the learning rate. [2, 200]
+    pub neighbors: usize,
+    /// Laps taken, P. [1, 20]
+    pub laps: usize,
+    /// Which P laps.
+    pub selection: Selection,
+}
+
+/// What the regression learns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RegressionMode {
+    /// The error of the nominal model, x_plus - f(x, u) (the paper's method).
+    Error,
+    /// The velocity rows themselves, x_plus, without a nominal model (Rosolia).
+    Full,
+    /// Nothing: the nominal model alone.
+    Nominal,
+}
+
+/// Which inputs are features of which velocity row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Features {
+    /// v_x from a; v_y and omega_z from delta (the paper).
+    Own,
+    /// Both inputs in all three rows.
+    Both,
+}
+
+/// Error dynamics regression: local weighted ridge regression of the velocity rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RegressionConfig {
+    /// What is learned.
+    pub mode: RegressionMode,
+    /// Nearest samples used for each point of the horizon, M. [1, 500]
+    pub neighbors: usize,
+    /// Most recent laps searched for neighbours; 0 searches all.
+    pub laps: usize,
+    /// Kernel bandwidth h; compared with the squared metric distance u.
+    pub bandwidth: f64,
+    /// Ridge weight eps.
+    pub ridge: f64,
+    /// Diagonal of Q, the metric on (v_x, v_y, omega_z, a, delta): u = (z - z_bar)' Q (z - z_bar).
+    pub metric: [f64; 5],
+    /// Input features of each row.
+    pub features: Features,
+}
+
+/// Nominal vehicle model of the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NominalModel {
+    /// Dynamic bicycle with the car's tyres.
+    Dynamic,
+    /// Kinematic bicycle.
+    Kinematic,
+}
+
+/// Nominal model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NominalConfig {
+    /// Which equations.
+    pub model: NominalModel,
+    /// Whether front and rear grip are fitted by least squares after each lap.
+    pub adapt_grip: bool,
+}
+
+/// Weights of the optimal control problem.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CostConfig {
+    /// Weight c_u of |u|^2 in steps.
+    pub input: f64,
+    /// Weight c_du ("CRC") of the squared rates of the input per second.
+    pub control_rate: f64,
+    /// Factor of the acceleration rate within `control_rate`, w_a.
+    pub acceleration_rate: f64,
+    /// Factor of the steering rate within `control_rate`, w_delta.
+    pub steering_rate: f64,
+    /// Least product of `control_rate` and `steering_rate`: below it the car weaves.
+    pub steering_rate_floor: f64,
+    /// Gentle start: factor of the acceleration rate in the first learned lap, halved each lap
+    /// until `acceleration_rate` is reached. 0 switches it off.
+    pub gentle_start: f64,
+    /// Quadratic weights of the terminal slack in state order.
+    pub terminal_slack: [f64; NX],
+    /// Linear weight of the lane slack of each stage [1/m].
+    pub lane_linear: f64,
+    /// Quadratic weight of the lane slack of each stage [1/m^2].
+    pub lane_quadratic: f64,
+    /// Linear weight of the slip-guard slacks [1/rad].
+    pub slip: f64,
+    /// Linear weight of the speed-cap slack [s/m].
+    pub speed: f64,
+}
+
+/// Constraints beside the input box.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitsConfig {
+    /// Distance the centre of gravity keeps from either track edge [m].
+    #[serde(rename = "lane_margin_m")]
+    pub lane_margin: f64,
+    /// Guard on the front slip angle |alpha_f|; 0 switches it off [rad].
+    #[serde(rename = "front_slip_rad")]
+    pub front_slip: f64,
+    /// Guard on the rear slip angle |alpha_r|; 0 switches it off [rad].
+    #[serde(rename = "rear_slip_rad")]
+    pub rear_slip: f64,
+    /// Speed cap; 0 switches it off [m/s].
+    #[serde(rename = "speed_cap_mps")]
+    pub speed_cap: f64,
+}
+
+/// Initial laps by centre-line tracking.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WarmUpConfig {
+    /// Number of initial laps. [1, 100]
+    pub laps: usize,
+    /// Their speed [m/s].
+    #[serde(rename = "speed_mps")]
+    pub speed: f64,
+    /// Standard deviation of the noise on the acceleration: without excitation nothing can be
+    /// regressed [m/s^2].
+    #[serde(rename = "noise_a_mps2")]
+    pub noise_a: f64,
+    /// Standard deviation of the noise on the steering angle [rad].
+    #[serde(rename = "noise_delta_rad")]
+    pub noise_delta: f64,
+    /// Seed of that noise.
+    pub seed: u64,
+}
+
+/// Delay compensation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DelayConfig {
+    /// Whole periods between a command and its effect; the state is predicted through the
+    /// queued inputs. [0, 20]
+    pub steps: usize,
+}
+
+/// QP solver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverConfig {
+    /// Tolerance of gap and feasibility.
+    pub tolerance: f64,
+    /// Most iterations of one solve.
+    pub max_iterations: u32,
+}
+
+/// A key whose value is not allowed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Dotted key, as in the TOML file.
+    pub key: String,
+    /// What was found and what is allowed.
+    pub message: String,
+}
+
+impl Config {
+    /// Reads a configuration: the preset it names, overridden by its keys.
+    ///
+    /// # Errors
+    /// [`ConfigError::Syntax`] for text that is no TOML or has unknown keys or wrong types,
+    /// [`ConfigError::Values`] with every value out of range.
+    pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
+        // Read directly first: only this error knows lines and columns.
+        let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
+        let base =
+            toml::Table::try_from(Self::preset(direct.preset)).map_err(ConfigError::merge)?;
+        let user: toml::Table = toml::from_str(text).map_err(ConfigError::syntax)?;
+        let config: Self = merge(base, user).try_into().map_err(ConfigError::syntax)?;
+        config.checked()
+    }
+
+    /// The configuration itself, if every value is allowed.
+    ///
+    /// # Errors
+    /// [`ConfigError::Values`] with every value out of range.
+    pub fn checked(self) -> Result<Self, ConfigError> {
+        let problems = self.problems();
+        if problems.is_empty() { Ok(self) } else { Err(ConfigError::Values(problems)) }
+    }
+
+    /// Every value that is out of range.
+    #[must_use]
+    pub fn problems(&self) -> Vec<Problem> {
+        let mut check = Check::default();
+        check.count("horizon.steps", self.horizon.steps, 2, 200);
+        check.range("horizon.period_s", self.horizon.period, 1e-3, 1.0);
+        check.count("horizon.substeps", self.horizon.substeps, 1, 200);
+        check.count("safe_set.neighbors", self.safe_set.neighbors, 2, 200);
+        check.count("safe_set.laps", self.safe_set.laps, 1, 20);
+        check.count("regression.neighbors", self.regression.neighbors, 1, 500);
+        check.count("regression.laps", self.regression.laps, 0, 100_000);
+        check.range("regression.bandwidth", self.regression.bandwidth, 1e-9, 1e9);
+        check.range("regression.ridge", self.regression.ridge, 1e-12, 1e6);
+        for (name, weight) in
+            ["v_x", "v_y", "omega_z", "a", "delta"].iter().zip(self.regression.metric)
+        {
+            check.range(&format!("regression.metric ({name})"), weight, 0.0, 1e9);
+        }
+        if self.regression.metric.iter().sum::<f64>() <= 0.0 {
+            check.add(
+                "regression.metric",
+                "all weights are 0; at least one must be positive".into(),
+            );
+        }
+        let c = &self.cost;
+        check.range("cost.input", c.input, 0.0, 1e6);
+        check.range("cost.control_rate", c.control_rate, 0.0, 1e6);
+        check.range("cost.acceleration_rate", c.acceleration_rate, 0.0, 1e6);
+        check.range("cost.steering_rate", c.steering_rate, 0.0, 1e6);
+        check.range("cost.steering_rate_floor", c.steering_rate_floor, 0.0, 1e6);
+        check.range("cost.gentle_start", c.gentle_start, 0.0, 1e6);
+        for weight in c.terminal_slack {
+            check.range("cost.terminal_slack", weight, 1e-9, 1e9);
+        }
+        check.range("cost.lane_linear", c.lane_linear, 0.0, 1e9);
+        check.range("cost.lane_quadratic", c.lane_quadratic, 1e-9, 1e9);
+        check.range("cost.slip", c.slip, 0.0, 1e9);
+        check.range("cost.speed", c.speed, 0.0, 1e9);
+        check.range("limits.lane_margin_m", self.limits.lane_margin, 0.0, 100.0);
+        check.range("limits.front_slip_rad", self.limits.front_slip, 0.0, 1.5);
+        check.range("limits.rear_slip_rad", self.limits.rear_slip, 0.0, 1.5);
+        check.range("limits.speed_cap_mps", self.limits.speed_cap, 0.0, 1000.0);
+        check.count("warm_up.laps", self.warm_up.laps, 1, 100);
+        check.range("warm_up.speed_mps", self.warm_up.speed, 0.1, 100.0);
+        check.range("warm_up.noise_a_mps2", self.warm_up.noise_a, 0.0, 10.0);
+        check.range("warm_up.noise_delta_rad", self.warm_up.noise_delta, 0.0, 0.5);
+        check.count("delay.steps", self.delay.steps, 0, 20);
+        check.range("solver.tolerance", self.solver.tolerance, 1e-12, 1e-2);
+        check.count("solver.max_iterations", self.solver.max_iterations as usize, 5, 1000);
+        check.problems
+    }
+}
+
+/// `user` laid over `base`, table by table.
+fn merge(mut base: toml::Table, user: toml::Table) -> toml::Table {
+    for (key, value) in user {
+        match (base.remove(&key), value) {
+            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => {
+                base.insert(key, toml::Value::Table(merge(below, above)));
+            }
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+    base
+}
+
+/// Collects the problems of a configuration.
+#[derive(Default)]
+struct Check {
+    problems: Vec<Problem>,
+}
+
+impl Check {
+    fn add(&mut self, key: &str, message: String) {
+        self.problems.push(Problem { key: key.to_owned(), message });
+    }
+
+    fn range(&mut self, key: &str, found: f64, least: f64, most: f64) {
+        if !(least..=most).contains(&found) {
+            self.add(key, format!("{found} is out of range; allowed is {least} to {most}"));
+        }
+    }
+
+    fn count(&mut self, key: &str, found: usize, least: usize, most: usize) {
+        if !(least..=most).contains(&found) {
+            self.add(key, format!("{found} is out of range; allowed is {least} to {most}"));
+        }
+    }
+}

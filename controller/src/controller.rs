@@ -1,0 +1,182 @@
+//! The controller: one call per period, the same in every host.
+
+use std::sync::Arc;
+
+use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
+
+use crate::config::{Config, NominalModel};
+use crate::error::ConfigError;
+use crate::learned_model::LearnedModel;
+use crate::learning::dataset::Lap;
+use crate::learning::safe_set::SafeSet;
+use crate::memory::Memory;
+use crate::observe::Observer;
+use crate::optimize::Workspace;
+use crate::plan::Plan;
+use crate::status::{Command, Measurement, Phase, Probe, Reason, Status};
+use crate::tracking::Tracker;
+
+/// Learning model predictive controller.
+///
+/// Errors belong to construction; [`Controller::step`] always returns an input inside the car's
+/// limits.
+pub struct Controller {
+    pub(crate) setup: Setup,
+    pub(crate) memory: Memory,
+    pub(crate) work: Workspace,
+    pub(crate) prepared: bool,
+}
+
+/// What the controller is given and, but for the fitted grip, keeps.
+pub(crate) struct Setup {
+    pub(crate) config: Config,
+    pub(crate) car: CarParams,
+    pub(crate) track: Arc<Track>,
+    /// Discretised nominal model with the fitted grip.
+    pub(crate) model: Discretized,
+    pub(crate) tracker: Tracker,
+}
+
+impl Controller {
+    /// A controller that knows nothing yet but its nominal car and its track.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or configuration, car and track do not fit
+    /// together.
+    pub fn new(config: Config, car: CarParams, track: Arc<Track>) -> Result<Self, ConfigError> {
+        let config = config.checked()?;
+        fits(&config, &track)?;
+        let kind = match config.nominal.model {
+            NominalModel::Dynamic => ModelKind::Dynamic,
+            NominalModel::Kinematic => ModelKind::Kinematic,
+        };
+        let (dt, substeps) = (config.horizon.period, config.horizon.substeps);
+        let model = Discretized { model: Model::new(kind, car.clone()), dt, substeps };
+        Ok(Self {
+            memory: Memory::new(&config),
+            work: Workspace::new(&config, &car),
+            prepared: false,
+            setup: Setup { tracker: Tracker::new(&car), config, car, track, model },
+        })
+    }
+
+    /// Reads a measurement and returns the input for the coming period. Cannot fail.
+    pub fn step(&mut self, measurement: &Measurement) -> Command {
+        self.step_probed(measurement, &mut ())
+    }
+
+    /// [`Controller::step`] that tells `probe` about its phases.
+    pub fn step_probed(&mut self, measurement: &Measurement, probe: &mut impl Probe) -> Command {
+        self.prepare_probed(probe);
+        probe.begin(Phase::Project);
+        let observer = Observer {
+            config: &self.setup.config,
+            track: &self.setup.track,
+            jump_floor: self.setup.car.l_f + self.setup.car.l_r,
+        };
+        let observed = observer.observe(&mut self.memory, measurement);
+        probe.end(Phase::Project);
+        let mut status = Status { lap: self.memory.lap, ..Status::default() };
+        let wanted = match observed {
+            Ok(observation) => self.drive(&observation, &mut status, probe),
+            Err(reason) => self.hold_on(reason, &mut status),
+        };
+        let input = self.limited(wanted, &mut status);
+        // A repeated measurement is answered, but no period passes.
+        if status.reason != Reason::TimeNotAdvancing {
+            self.commit(input);
+        }
+        Command { input, status }
+    }
+
+    /// What can be done before the next measurement: lap-end learning, and the preparation of
+    /// the next problem. Hosts with time between steps call it there; otherwise the next step
+    /// begins with it, with the same result.
+    pub fn prepare(&mut self) {
+        self.prepare_probed(&mut ());
+    }
+
+    fn prepare_probed(&mut self, probe: &mut impl Probe) {
+        if self.prepared {
+            return;
+        }
+        self.prepared = true;
+        if self.memory.lap_due {
+            self.learn();
+        }
+        if self.memory.plan.is_empty() {
+            return;
+        }
+        if !self.memory.shifted {
+            let (model, track) = (&self.setup.model, &self.setup.track);
+            let tail = self.memory.plan_tail;
+            self.memory.plan.shift(tail, |x, u| model.next(x, u, |s| track.kappa(s)));
+            self.memory.shifted = true;
+        }
+        self.work.prepare(&self.setup, &self.memory, probe);
+    }
+
+    /// The latest plan in the frame of the current lap; empty before learning begins.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.memory.plan
+    }
+
+    /// The safe set of the latest problem.
+    #[must_use]
+    pub fn safe_set(&self) -> &SafeSet {
+        &self.work.safe_set
+    }
+
+    /// All closed laps, oldest first.
+    #[must_use]
+    pub fn laps(&self) -> &[Arc<Lap>] {
+        &self.memory.dataset.laps
+    }
+
+    /// Fitted factors on front and rear grip.
+    #[must_use]
+    pub fn grip(&self) -> [f64; 2] {
+        self.memory.grip
+    }
+
+    /// The learned model around a point, in its parts.
+    #[must_use]
+    pub fn learned_model(&self, x: &State, u: &Input) -> LearnedModel {
+        let data = &self.memory.derived.regression;
+        Workspace::model_at(&self.setup, data, x, u, &mut Default::default())
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub fn config(&self) -> &Config {
+        &self.setup.config
+    }
+
+    /// The nominal car.
+    #[must_use]
+    pub fn car(&self) -> &CarParams {
+        &self.setup.car
+    }
+
+    /// The track.
+    #[must_use]
+    pub fn track(&self) -> &Arc<Track> {
+        &self.setup.track
+    }
+}
+
+/// Whether the lane has room on this track.
+fn fits(config: &Config, track: &Track) -> Result<(), ConfigError> {
+    let margin = config.limits.lane_margin;
+    let narrow = track.narrowest();
+    if 2.0 * margin >= narrow {
+        return Err(ConfigError::Mismatch(format!(
+            "limits.lane_margin_m = {margin} leaves no lane on track \"{}\", which is {narrow} m \
+             wide at its narrowest; allowed is less than {}",
+            track.name(),
+            0.5 * narrow
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,231 @@
+//! What a step decides: initial lap, learned control, or what is left when that fails.
+
+use rand_distr::{Distribution, StandardNormal};
+use vehicle_model::{Input, State};
+
+use crate::controller::Controller;
+use crate::fhocp::greatest;
+use crate::observe::Observation;
+use crate::optimize::Workspace;
+use crate::status::{Action, Phase, Probe, Reason, Status};
+
+impl Controller {
+    /// Drives from a believed state.
+    pub(crate) fn drive(
+        &mut self,
+        seen: &Observation,
+        status: &mut Status,
+        probe: &mut impl Probe,
+    ) -> Input {
+        status.state = seen.state;
+        status.finished = seen.finished;
+        status.reason = seen.reason;
+        if seen.crossed {
+            let length = self.setup.track.length();
+            self.memory.plan.cross_line(length);
+            self.memory.query_s -= length;
+            self.work.safe_set.cross_line(length);
+        }
+        if !self.memory.learning {
+            return self.warm_up(&seen.state, status);
+        }
+        if let Some(reason) = self.unfit(&seen.state) {
+            self.memory.drop_plan();
+            status.reason = reason;
+            return self.recover(&seen.state, status);
+        }
+        self.learned(&seen.state, status, probe)
+    }
+
+    /// An initial lap: centre-line tracking with excitation.
+    fn warm_up(&mut self, x: &State, status: &mut Status) -> Input {
+        if let Some(reason) = self.unfit(x).filter(|reason| *reason != Reason::Standstill) {
+            status.reason = reason;
+            return self.recover(x, status);
+        }
+        status.action = Action::WarmUp;
+        let config = &self.setup.config.warm_up;
+        let mut noise = || -> f64 { StandardNormal.sample(&mut self.memory.rng) };
+        let (noise_a, noise_delta) = (config.noise_a * noise(), config.noise_delta * noise());
+        let Input { a, delta } = self.setup.tracker.track(x, &self.setup.track, config.speed);
+        Input { a: a + noise_a, delta: delta + noise_delta }
+    }
+
+    /// Why the learned controller cannot drive from here, if so.
+    fn unfit(&self, x: &State) -> Option<Reason> {
+        let (left, right) = (self.setup.track.width_left(x.s), self.setup.track.width_right(x.s));
+        let outside = (x.e_y - left).max(-right - x.e_y);
+        if x.e_psi.abs() > std::f64::consts::FRAC_PI_2 {
+            return Some(Reason::WrongWay);
+        }
+        // Just outside, the soft lane of the FHOCP knows the way back best.
+        if outside > 0.25 * (left + right) {
+            return Some(Reason::OffTrack);
+        }
+        (x.v_x < 0.25 * self.setup.config.warm_up.speed).then_some(Reason::Standstill)
+    }
+
+    /// Tracking back to the track, or braking where that is hopeless.
+    fn recover(&mut self, x: &State, status: &mut Status) -> Input {
+        let far = x.e_y.abs()
+            > 2.0 * (self.setup.track.width_left(x.s) + self.setup.track.width_right(x.s));
+        if far || status.reason == Reason::WrongWay {
+            status.action = Action::Braking;
+            return self.setup.tracker.brake(x, &self.setup.track);
+        }
+        status.action = Action::Tracking;
+        self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed)
+    }
+
+    /// The FHOCP's first input; if there is none, the shifted plan, then tracking, then braking.
+    fn learned(&mut self, x: &State, status: &mut Status, probe: &mut impl Probe) -> Input {
+        let x_0 = self.predict(x);
+        if self.memory.plan.is_empty() {
+            self.first_plan(&x_0);
+            self.work.prepare(&self.setup, &self.memory, probe);
+        }
+        if self.work.safe_set.points.is_empty() {
+            status.reason = Reason::NoSafeSet;
+            return self.recover(x, status);
+        }
+        probe.begin(Phase::Solve);
+        let report = self.work.solve(&x_0, &mut self.memory);
+        probe.end(Phase::Solve);
+        status.solve = report.status;
+        status.iterations = report.iterations;
+        let supports = &self.work.supports;
+        status.data_support_min = supports.iter().copied().fold(f64::INFINITY, f64::min);
+        status.data_support_mean = supports.iter().sum::<f64>() / supports.len() as f64;
+        if !report.status.usable() {
+            status.reason = Reason::SolverFailed;
+            return self.fall_back(x, status);
+        }
+        let (cost, terminal) = self.work.cost();
+        let slacks = &self.work.slacks;
+        status.action = Action::Learned;
+        status.cost = cost;
+        status.terminal_slack = terminal;
+        status.lane_slack = greatest(&slacks.lane);
+        status.front_slip_slack = greatest(&slacks.front);
+        status.rear_slip_slack = greatest(&slacks.rear);
+        status.speed_slack = greatest(&slacks.speed);
+        self.memory.plan.u[0]
+    }
+
+    /// No solution: the shifted plan while it is young, then tracking, then braking.
+    fn fall_back(&mut self, x: &State, status: &mut Status) -> Input {
+        self.memory.plan_age += 1;
+        let (age, n) = (self.memory.plan_age as usize, self.setup.config.horizon.steps);
+        if age <= n / 2 {
+            status.action = Action::ShiftedPlan;
+            self.memory.query_s = self.memory.plan.x[n].s;
+            return self.memory.plan.u[0];
+        }
+        // A new plan from here may succeed where the old one led nowhere.
+        self.memory.plan.clear();
+        if age <= 3 * n {
+            status.action = Action::Tracking;
+            return self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed);
+        }
+        status.action = Action::Braking;
+        self.setup.tracker.brake(x, &self.setup.track)
+    }
+
+    /// No believable measurement: the plan knows best where the car is.
+    pub(crate) fn hold_on(&mut self, reason: Reason, status: &mut Status) -> Input {
+        status.reason = reason;
+        if reason == Reason::TimeNotAdvancing {
+            status.action = if self.memory.learning { Action::ShiftedPlan } else { Action::WarmUp };
+            status.state = self.memory.last.map(|last| last.state).unwrap_or_default();
+            return self.memory.u_prev;
+        }
+        self.memory.dataset.interrupt();
+        self.memory.plan_age += 1;
+        let n = self.setup.config.horizon.steps;
+        if !self.memory.plan.is_empty() && (self.memory.plan_age as usize) < n {
+            status.action = Action::ShiftedPlan;
+            status.state = self.memory.plan.x[0];
+            self.memory.query_s = self.memory.plan.x[n].s;
+            return self.memory.plan.u[0];
+        }
+        // Dead reckoning on the last good state, braking along the line.
+        let Some(last) = &mut self.memory.last else {
+            status.action = Action::Braking;
+            return Input::default();
+        };
+        status.action = Action::Braking;
+        status.state = last.state;
+        self.setup.tracker.brake(&last.state, &self.setup.track)
+    }
+
+    /// The input inside the car's limits, box and rates.
+    pub(crate) fn limited(&self, wanted: Input, status: &mut Status) -> Input {
+        let (before, dt) = (self.memory.u_prev, self.setup.config.horizon.period);
+        let limit = |value: f64, before: f64, least: f64, most: f64, rate: Option<f64>| {
+            let reach = rate.map_or(f64::INFINITY, |rate| rate * dt);
+            let value = if value.is_finite() { value } else { before };
+            value.clamp(before - reach, before + reach).clamp(least, most)
+        };
+        let car = &self.setup.car;
+        let input = Input {
+            a: limit(wanted.a, before.a, car.a_min, car.a_max, car.a_rate_max),
+            delta: limit(
+                wanted.delta,
+                before.delta,
+                -car.delta_max,
+                car.delta_max,
+                car.delta_rate_max,
+            ),
+        };
+        // Solvers keep bounds to their tolerance only: that is no clipping.
+        let moved = (input.a - wanted.a).abs().max((input.delta - wanted.delta).abs());
+        status.clipped = moved.is_nan() || moved > 1e-6;
+        input
+    }
+
+    /// Queues the input; what leaves the queue acts in the coming period.
+    pub(crate) fn commit(&mut self, input: Input) {
+        let memory = &mut self.memory;
+        memory.queue.push_back(input);
+        let acting = memory.queue.pop_front().unwrap_or(input);
+        if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())
+        {
+            sample.u = acting;
+        }
+        memory.u_prev = input;
+        memory.shifted = false;
+        self.prepared = false;
+    }
+
+    /// The state at which the coming command will act: through the queued inputs.
+    fn predict(&mut self, x: &State) -> State {
+        let mut x = *x;
+        for u in &self.memory.queue {
+            let data = &self.memory.derived.regression;
+            let model = Workspace::model_at(&self.setup, data, &x, u, &mut self.work.scratch);
+            x = State::from_vector(&model.sum().apply(&x.to_vector(), &u.to_vector()));
+        }
+        x
+    }
+
+    /// A trajectory to linearise about where no plan exists: tracking at the present speed.
+    fn first_plan(&mut self, x_0: &State) {
+        let memory = &mut self.memory;
+        let mut x = *x_0;
+        memory.plan.clear();
+        memory.plan.x.push(x);
+        for _ in 0..self.setup.config.horizon.steps {
+            let u = self.setup.tracker.track(
+                &x,
+                &self.setup.track,
+                x_0.v_x.max(self.setup.config.warm_up.speed),
+            );
+            x = self.setup.model.next(&x, &u, |s| self.setup.track.kappa(s));
+            memory.plan.u.push(u);
+            memory.plan.x.push(x);
+            memory.plan_tail = u;
+        }
+        memory.query_s = x.s;
+        memory.shifted = true;
+    }
+}

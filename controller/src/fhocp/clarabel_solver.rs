@@ -1,0 +1,219 @@
+//! The FHOCP solved by Clarabel: one solver object per shape, values written in place.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT,
+    SolverStatus, ZeroConeT,
+};
+use nalgebra::Vector2;
+
+use super::layout::{Entries, Shape, state, walk};
+use super::{Fhocp, FhocpSolver, Solution, SolveReport};
+use crate::config::SolverConfig;
+use crate::status::SolveStatus;
+
+/// Interior-point solver Clarabel behind the FHOCP's interface.
+pub struct ClarabelSolver {
+    config: SolverConfig,
+    built: Option<Built>,
+}
+
+/// Solver and value arrays of one shape.
+struct Built {
+    shape: Shape,
+    solver: DefaultSolver<f64>,
+    values: Values,
+}
+
+impl ClarabelSolver {
+    /// A solver with the given tolerance and iteration limit; memory is laid out at the first
+    /// solve of each shape.
+    #[must_use]
+    pub fn new(config: SolverConfig) -> Self {
+        Self { config, built: None }
+    }
+}
+
+impl FhocpSolver for ClarabelSolver {
+    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
+        let failed = SolveReport { status: SolveStatus::Numerical, iterations: 0 };
+        // A value that is not finite makes Clarabel report infeasibility: it never gets there.
+        if !problem.is_finite() {
+            return failed;
+        }
+        let shape = Shape::of(problem);
+        match &mut self.built {
+            Some(built) if built.shape == shape => {
+                if !built.update(problem) {
+                    self.built = None;
+                    return failed;
+                }
+            }
+            _ => self.built = Built::new(problem, shape, &self.config),
+        }
+        let Some(built) = &mut self.built else { return failed };
+        built.solver.solve();
+        let result = &built.solver.solution;
+        let status = status_of(result.status);
+        if status.usable() {
+            read(problem, &built.shape, &result.x, solution);
+        }
+        SolveReport { status, iterations: result.iterations }
+    }
+}
+
+impl Built {
+    fn new(problem: &Fhocp, shape: Shape, config: &SolverConfig) -> Option<Self> {
+        let mut pattern = Pattern::default();
+        walk(problem, &shape, &mut pattern);
+        let (n, m) = (shape.variables(), pattern.b.len());
+        let mut q = vec![0.0; n];
+        for &(variable, value) in &pattern.q {
+            q[variable] = value;
+        }
+        let (p, p_slots) = compress(n, n, &pattern.p);
+        let (a, a_slots) = compress(m, n, &pattern.a);
+        let cones = [ZeroConeT(shape.equalities()), NonnegativeConeT(m - shape.equalities())];
+        let solver = DefaultSolver::new(&p, &q, &a, &pattern.b, &cones, settings(config)?).ok()?;
+        let values =
+            Values { p: p.nzval, q, a: a.nzval, b: pattern.b, p_slots, a_slots, at: [0; 3] };
+        Some(Self { shape, solver, values })
+    }
+
+    fn update(&mut self, problem: &Fhocp) -> bool {
+        let values = &mut self.values;
+        values.at = [0; 3];
+        walk(problem, &self.shape, values);
+        self.solver.update_P(&values.p).is_ok()
+            && self.solver.update_q(&values.q).is_ok()
+            && self.solver.update_A(&values.a).is_ok()
+            && self.solver.update_b(&values.b).is_ok()
+    }
+}
+
+fn settings(config: &SolverConfig) -> Option<DefaultSettings<f64>> {
+    DefaultSettingsBuilder::default()
+        .verbose(false)
+        // Presolve would forbid updating values in place.
+        .presolve_enable(false)
+        .max_iter(config.max_iterations)
+        .tol_gap_abs(config.tolerance)
+        .tol_gap_rel(config.tolerance)
+        .tol_feas(config.tolerance)
+        .direct_solve_method("qdldl".to_owned())
+        .build()
+        .ok()
+}
+
+fn status_of(status: SolverStatus) -> SolveStatus {
+    match status {
+        SolverStatus::Solved => SolveStatus::Solved,
+        SolverStatus::AlmostSolved => SolveStatus::AlmostSolved,
+        SolverStatus::MaxIterations | SolverStatus::MaxTime | SolverStatus::CallbackTerminated => {
+            SolveStatus::MaxIterations
+        }
+        SolverStatus::PrimalInfeasible
+        | SolverStatus::DualInfeasible
+        | SolverStatus::AlmostPrimalInfeasible
+        | SolverStatus::AlmostDualInfeasible => SolveStatus::Infeasible,
+        SolverStatus::NumericalError
+        | SolverStatus::InsufficientProgress
+        | SolverStatus::Unsolved => SolveStatus::Numerical,
+    }
+}
+
+fn read(problem: &Fhocp, shape: &Shape, z: &[f64], solution: &mut Solution) {
+    solution.x[0] = problem.x_0;
+    for t in 0..shape.horizon {
+        solution.x[t + 1] = state(shape, z, t + 1);
+        let u = shape.u(t);
+        solution.u[t] = Vector2::new(z[u], z[u + 1]);
+    }
+    let lambda = shape.lambda();
+    solution.lambda.copy_from_slice(&z[lambda..lambda + shape.hull]);
+}
+
+/// Entries as triplets, for the first solve of a shape.
+#[derive(Default)]
+struct Pattern {
+    p: Vec<(usize, usize, f64)>,
+    q: Vec<(usize, f64)>,
+    a: Vec<(usize, usize, f64)>,
+    b: Vec<f64>,
+}
+
+impl Entries for Pattern {
+    fn p(&mut self, row: usize, column: usize, value: f64) {
+        self.p.push((row, column, value));
+    }
+
+    fn q(&mut self, variable: usize, value: f64) {
+        self.q.push((variable, value));
+    }
+
+    fn a(&mut self, row: usize, column: usize, value: f64) {
+        self.a.push((row, column, value));
+    }
+
+    fn b(&mut self, value: f64) {
+        self.b.push(value);
+    }
+}
+
+/// Value arrays of a known pattern; the i-th entry walked lands in slot i.
+struct Values {
+    p: Vec<f64>,
+    q: Vec<f64>,
+    a: Vec<f64>,
+    b: Vec<f64>,
+    p_slots: Vec<usize>,
+    a_slots: Vec<usize>,
+    /// Entries of P, A and b walked so far.
+    at: [usize; 3],
+}
+
+impl Entries for Values {
+    fn p(&mut self, _: usize, _: usize, value: f64) {
+        self.p[self.p_slots[self.at[0]]] = value;
+        self.at[0] += 1;
+    }
+
+    fn q(&mut self, variable: usize, value: f64) {
+        self.q[variable] = value;
+    }
+
+    fn a(&mut self, _: usize, _: usize, value: f64) {
+        self.a[self.a_slots[self.at[1]]] = value;
+        self.at[1] += 1;
+    }
+
+    fn b(&mut self, value: f64) {
+        self.b[self.at[2]] = value;
+        self.at[2] += 1;
+    }
+}
+
+/// Compressed columns of distinct triplets, zeros kept, and the slot of each triplet.
+fn compress(
+    rows: usize,
+    columns: usize,
+    triplets: &[(usize, usize, f64)],
+) -> (CscMatrix<f64>, Vec<usize>) {
+    let mut order: Vec<usize> = (0..triplets.len()).collect();
+    order.sort_by_key(|&i| (triplets[i].1, triplets[i].0));
+    let mut slots = vec![0; triplets.len()];
+    let mut colptr = vec![0; columns + 1];
+    let mut rowval = Vec::with_capacity(order.len());
+    let mut nzval = Vec::with_capacity(order.len());
+    for (slot, &i) in order.iter().enumerate() {
+        let (row, column, value) = triplets[i];
+        slots[i] = slot;
+        colptr[column + 1] += 1;
+        rowval.push(row);
+        nzval.push(value);
+    }
+    for column in 0..columns {
+        colptr[column + 1] += colptr[column];
+    }
+    (CscMatrix::new(rows, columns, colptr, rowval, nzval), slots)
+}

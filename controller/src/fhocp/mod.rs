@@ -1,0 +1,230 @@
+//! The finite-horizon optimal control problem (paper, FHOCP) in stage form, and its solution.
+//!
+//! ```text
+//! minimise   sum_t  c_u |u_t|^2 + r' (u_t - u_{t-1})^2           t = 0..N-1
+//!          + sum_t  l s_t + q s_t^2  (lane)  + w f_t  (front slip) + w g_t  (rear slip) + v p_t
+//!          + J' lambda + e' E e
+//! subject to x_{t+1} = A_t x_t + B_t u_t + C_t
+//!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
+//!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
+//!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
+//!            |alpha_r(x_t)| <= rear_max + g_t                     t = 1..N
+//!            v_x(x_t) <= speed_max + p_t                          t = 1..N
+//!            x_N = X lambda + e,  lambda >= 0,  1' lambda = 1,  slacks >= 0
+//! ```
+//!
+//! Every state constraint is soft, so the problem is feasible for any measured x_0.
+
+mod clarabel_solver;
+mod layout;
+mod slacks;
+
+use nalgebra::{Vector2, Vector6};
+
+pub use clarabel_solver::ClarabelSolver;
+pub use slacks::Slacks;
+pub(crate) use slacks::greatest;
+
+use crate::affine::Affine;
+use crate::status::SolveStatus;
+
+/// A slip angle, linearised: alpha = velocity' [v_x, v_y, omega_z] + steering delta + offset.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlipRow {
+    /// Gradient with respect to [v_x, v_y, omega_z].
+    pub velocity: [f64; 3],
+    /// Gradient with respect to the steering angle.
+    pub steering: f64,
+    /// Constant part [rad].
+    pub offset: f64,
+}
+
+impl SlipRow {
+    /// The linearised slip angle [rad].
+    #[must_use]
+    pub fn angle(&self, x: &Vector6<f64>, delta: f64) -> f64 {
+        let [g_x, g_y, g_w] = self.velocity;
+        g_x * x[0] + g_y * x[1] + g_w * x[2] + self.steering * delta + self.offset
+    }
+}
+
+/// The problem in stage form; see the module's doc for the meaning of each part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fhocp {
+    /// Measured (or predicted) initial state x_0.
+    pub x_0: Vector6<f64>,
+    /// Input before the first, u_{-1}.
+    pub u_prev: Vector2<f64>,
+    /// Model of each stage, N.
+    pub model: Vec<Affine>,
+    /// Weight c_u of each squared input.
+    pub input_cost: Vector2<f64>,
+    /// Weight r of each squared difference of successive inputs.
+    pub rate_cost: Vector2<f64>,
+    /// Least inputs.
+    pub u_min: Vector2<f64>,
+    /// Greatest inputs.
+    pub u_max: Vector2<f64>,
+    /// Greatest difference of successive inputs; infinite for none.
+    pub du_max: Vector2<f64>,
+    /// Least e_y of stage t + 1, N [m].
+    pub e_y_min: Vec<f64>,
+    /// Greatest e_y of stage t + 1, N [m].
+    pub e_y_max: Vec<f64>,
+    /// Linear weight of the lane slack.
+    pub lane_linear: f64,
+    /// Quadratic weight of the lane slack.
+    pub lane_quadratic: f64,
+    /// Front slip angle of stage t, N.
+    pub front: Vec<SlipRow>,
+    /// Rear slip angle of stage t + 1, N.
+    pub rear: Vec<SlipRow>,
+    /// Bound on the front slip angle; infinite for none [rad].
+    pub front_max: f64,
+    /// Bound on the rear slip angle; infinite for none [rad].
+    pub rear_max: f64,
+    /// Linear weight of the slip slacks.
+    pub slip_linear: f64,
+    /// Speed cap; infinite for none [m/s].
+    pub speed_max: f64,
+    /// Linear weight of the speed slack.
+    pub speed_linear: f64,
+    /// Safe-set points, the columns of X.
+    pub hull: Vec<Vector6<f64>>,
+    /// Cost-to-go J of each point, in steps.
+    pub hull_cost: Vec<f64>,
+    /// Diagonal of E, the quadratic weights of the terminal slack.
+    pub terminal_slack: Vector6<f64>,
+}
+
+impl Fhocp {
+    /// A problem of the given size, with no constraint active and all entries zero.
+    #[must_use]
+    pub fn new(horizon: usize, hull: usize) -> Self {
+        Self {
+            x_0: Vector6::zeros(),
+            u_prev: Vector2::zeros(),
+            model: vec![Affine::default(); horizon],
+            input_cost: Vector2::zeros(),
+            rate_cost: Vector2::zeros(),
+            u_min: Vector2::repeat(-1.0),
+            u_max: Vector2::repeat(1.0),
+            du_max: Vector2::repeat(f64::INFINITY),
+            e_y_min: vec![-1.0; horizon],
+            e_y_max: vec![1.0; horizon],
+            lane_linear: 0.0,
+            lane_quadratic: 1.0,
+            front: vec![SlipRow::default(); horizon],
+            rear: vec![SlipRow::default(); horizon],
+            front_max: f64::INFINITY,
+            rear_max: f64::INFINITY,
+            slip_linear: 0.0,
+            speed_max: f64::INFINITY,
+            speed_linear: 0.0,
+            hull: vec![Vector6::zeros(); hull],
+            hull_cost: vec![0.0; hull],
+            terminal_slack: Vector6::repeat(1.0),
+        }
+    }
+
+    /// Number of stages N.
+    #[must_use]
+    pub fn horizon(&self) -> usize {
+        self.model.len()
+    }
+
+    /// Whether every number that reaches a solver is finite (infinite bounds apart).
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let vectors = [&self.x_0, &self.terminal_slack].into_iter().chain(&self.hull);
+        let rows = self.front.iter().chain(&self.rear);
+        vectors.flat_map(|v| v.iter()).all(|v| v.is_finite())
+            && self.u_prev.iter().chain(&self.hull_cost).all(|v| v.is_finite())
+            && self.e_y_min.iter().chain(&self.e_y_max).all(|v| v.is_finite())
+            && self
+                .model
+                .iter()
+                .all(|m| m.a.iter().chain(m.b.iter()).chain(m.c.iter()).all(|v| v.is_finite()))
+            && rows.into_iter().all(|r| {
+                r.velocity.iter().all(|v| v.is_finite()) && (r.steering + r.offset).is_finite()
+            })
+    }
+
+    /// The optimal value's formula, evaluated at a trajectory: slacks as small as it allows.
+    #[must_use]
+    pub fn cost(&self, solution: &Solution) -> f64 {
+        let slacks = Slacks::of(self, solution);
+        let mut u_before = self.u_prev;
+        let mut cost = 0.0;
+        for u in &solution.u {
+            let du = u - u_before;
+            cost += self.input_cost.dot(&u.component_mul(u));
+            cost += self.rate_cost.dot(&du.component_mul(&du));
+            u_before = *u;
+        }
+        for s in &slacks.lane {
+            cost += self.lane_linear * s + self.lane_quadratic * s * s;
+        }
+        cost +=
+            self.slip_linear * (slacks.front.iter().sum::<f64>() + slacks.rear.iter().sum::<f64>());
+        cost += self.speed_linear * slacks.speed.iter().sum::<f64>();
+        cost += self.hull_cost.iter().zip(&solution.lambda).map(|(j, l)| j * l).sum::<f64>();
+        cost + self.terminal_cost(solution)
+    }
+
+    /// Cost of the terminal slack, e' E e.
+    #[must_use]
+    pub fn terminal_cost(&self, solution: &Solution) -> f64 {
+        let mut e = solution.x[self.horizon()];
+        for (point, lambda) in self.hull.iter().zip(&solution.lambda) {
+            e -= point * *lambda;
+        }
+        self.terminal_slack.dot(&e.component_mul(&e))
+    }
+}
+
+/// Trajectory and terminal weights found by a solver.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Solution {
+    /// States x_0..x_N.
+    pub x: Vec<Vector6<f64>>,
+    /// Inputs u_0..u_{N-1}.
+    pub u: Vec<Vector2<f64>>,
+    /// Weights of the safe-set points.
+    pub lambda: Vec<f64>,
+}
+
+impl Solution {
+    /// An all-zero solution of the given size.
+    #[must_use]
+    pub fn new(horizon: usize, hull: usize) -> Self {
+        Self {
+            x: vec![Vector6::zeros(); horizon + 1],
+            u: vec![Vector2::zeros(); horizon],
+            lambda: vec![0.0; hull],
+        }
+    }
+
+    /// Whether every entry is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.x.iter().flat_map(|x| x.iter()).all(|v| v.is_finite())
+            && self.u.iter().flat_map(|u| u.iter()).all(|v| v.is_finite())
+            && self.lambda.iter().all(|v| v.is_finite())
+    }
+}
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SolveReport {
+    /// Outcome; the solution may be used only if [`SolveStatus::usable`].
+    pub status: SolveStatus,
+    /// Iterations.
+    pub iterations: u32,
+}
+
+/// A solver of the FHOCP. Its result depends on the problem alone, not on earlier solves.
+pub trait FhocpSolver {
+    /// Solves `problem` into `solution`, which has the problem's size.
+    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport;
+}

@@ -1,0 +1,92 @@
+//! Lap-end learning, and learned data from one day to the next.
+
+use std::sync::Arc;
+
+use crate::config::{NominalModel, RegressionMode, Selection};
+use crate::controller::Controller;
+use crate::error::DataError;
+use crate::learning::dataset::Lap;
+use crate::learning::grip;
+use crate::learning::regression::RegressionData;
+use crate::memory::{Derived, Memory};
+use crate::status::LapKind;
+use crate::store::{self, Identity, Learned};
+
+impl Controller {
+    /// Lap-end work: grip, safe-set laps, regression targets and tree.
+    pub(crate) fn learn(&mut self) {
+        self.memory.lap_due = false;
+        let laps = &self.memory.dataset.laps;
+        if self.setup.config.nominal.adapt_grip
+            && self.setup.config.nominal.model == NominalModel::Dynamic
+        {
+            let recent = laps.iter().rev().flat_map(|lap| lap.samples.iter().rev());
+            self.memory.grip =
+                grip::fit(&self.setup.model, &self.setup.track, recent.take(grip::SAMPLES));
+            self.setup.model.model.grip = self.memory.grip;
+        }
+        self.derive();
+    }
+
+    /// Makes anew what follows from laps and grip.
+    fn derive(&mut self) {
+        let (config, laps) = (&self.setup.config, &self.memory.dataset.laps);
+        let fastest = config.safe_set.selection == Selection::Fastest;
+        let selected = self.memory.dataset.select(config.safe_set.laps, fastest);
+        let used = match config.regression.laps {
+            0 => laps.len(),
+            count => count.min(laps.len()),
+        };
+        let recent = laps[laps.len() - used..].iter().map(Arc::as_ref);
+        let (model, track) = (&self.setup.model, &self.setup.track);
+        let error = config.regression.mode == RegressionMode::Error;
+        let regression = RegressionData::new(recent, &config.regression, |x, u, next| {
+            if !error {
+                return next;
+            }
+            let f = model.next(x, u, |s| track.kappa(s));
+            [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
+        });
+        self.memory.derived = Arc::new(Derived { selected, regression });
+    }
+
+    /// Everything learned, as bytes with a checksum and the fingerprint of car, track and
+    /// configuration.
+    #[must_use]
+    pub fn save(&self) -> Vec<u8> {
+        store::seal(&Learned {
+            identity: self.identity(),
+            grip: self.memory.grip,
+            laps: self.memory.dataset.laps.clone(),
+        })
+    }
+
+    /// Takes over what [`Controller::save`] wrote, in place of what was learned so far.
+    ///
+    /// # Errors
+    /// [`DataError`] for damaged data or those of another car, track or configuration; nothing
+    /// is changed then.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), DataError> {
+        let learned: Learned = store::open(bytes)?;
+        self.identity().accept(&learned.identity)?;
+        let mut memory = Memory::new(&self.setup.config);
+        memory.grip = learned.grip;
+        memory.dataset.laps = learned.laps;
+        let learning = |lap: &&Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Learning;
+        memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;
+        memory.learning = memory.valid_laps() >= self.setup.config.warm_up.laps;
+        self.memory = memory;
+        self.setup.model.model.grip = learned.grip;
+        self.derive();
+        self.prepared = false;
+        Ok(())
+    }
+
+    fn identity(&self) -> Identity {
+        Identity::new(
+            self.setup.car.fingerprint(),
+            self.setup.track.fingerprint(),
+            &self.setup.config,
+        )
+    }
+}

@@ -1,0 +1,148 @@
+//! Lap data D^j (paper, section on data): every measured state with the input really applied.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use vehicle_model::{Input, State};
+
+use crate::status::{LapKind, LapResult};
+
+/// One measured transition.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Time of the measurement [s].
+    pub time: f64,
+    /// Measured state, s in [0, L).
+    pub x: State,
+    /// Input applied from this measurement to the next.
+    pub u: Input,
+    /// Velocities [v_x, v_y, omega_z] measured one period later; none where the next
+    /// measurement was missing or not one period away.
+    pub next: Option<[f64; 3]>,
+}
+
+/// A closed lap. It does not change any more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lap {
+    /// Number, kind, time, validity.
+    pub result: LapResult,
+    /// Samples from the first behind the line to the last before it.
+    pub samples: Vec<Sample>,
+    /// Interpolated crossing of the line at the start [s].
+    pub start_time: f64,
+    /// Interpolated crossing of the line at the end [s].
+    pub end_time: f64,
+    /// Whether the first sample is the direct successor of the previous lap's last.
+    pub follows: bool,
+}
+
+impl Lap {
+    /// Cost-to-go of a measurement at `time`: T_i - k in steps, fractional, as the line is
+    /// crossed between two samples. Negative behind the line.
+    #[must_use]
+    pub fn cost_to_go(&self, time: f64, period: f64) -> f64 {
+        (self.end_time - time) / period
+    }
+}
+
+/// The lap in progress.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Current {
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) start_time: f64,
+    pub(crate) follows: bool,
+    /// Began at the line, so that it will have a lap time.
+    pub(crate) from_line: bool,
+    /// Nothing has made it unfit for the safe set so far.
+    pub(crate) clean: bool,
+}
+
+/// All laps, closed and in progress, as one continuous trajectory.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Dataset {
+    pub(crate) laps: Vec<Arc<Lap>>,
+    pub(crate) current: Current,
+}
+
+/// A sample seen from a lap that it may lie before or behind.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub(crate) sample: &'a Sample,
+    /// What to add to its s: -L before the lap, +L behind it.
+    pub(crate) offset: f64,
+}
+
+impl Dataset {
+    /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,
+    /// those past its end in the lap that followed, if that was driven without interruption.
+    pub(crate) fn seen_from(&self, lap: usize, index: isize, length: f64) -> Option<Seen<'_>> {
+        let own = &self.laps[lap].samples;
+        if index < 0 {
+            if !self.laps[lap].follows || lap == 0 {
+                return None;
+            }
+            let before = &self.laps[lap - 1].samples;
+            let i = before.len().checked_sub(index.unsigned_abs())?;
+            return Some(Seen { sample: &before[i], offset: -length });
+        }
+        let i = index.unsigned_abs();
+        if let Some(sample) = own.get(i) {
+            return Some(Seen { sample, offset: 0.0 });
+        }
+        let (behind, follows) =
+            self.laps.get(lap + 1).map_or((&self.current.samples, self.current.follows), |next| {
+                (&next.samples, next.follows)
+            });
+        if !follows {
+            return None;
+        }
+        behind.get(i - own.len()).map(|sample| Seen { sample, offset: length })
+    }
+
+    /// Closes the lap in progress at `end_time`; the next begins there.
+    pub(crate) fn close(&mut self, number: u32, kind: LapKind, end_time: f64) -> Option<LapResult> {
+        let done = std::mem::take(&mut self.current);
+        // The next lap is likely as long as this one: its memory is reserved now.
+        self.current.samples.reserve(2 * done.samples.len());
+        self.current.start_time = end_time;
+        self.current.follows = true;
+        self.current.from_line = true;
+        self.current.clean = true;
+        let result = LapResult {
+            lap: number,
+            kind,
+            lap_time: end_time - done.start_time,
+            valid: done.clean && done.from_line,
+        };
+        self.laps.push(Arc::new(Lap {
+            result,
+            samples: done.samples,
+            start_time: done.start_time,
+            end_time,
+            follows: done.follows,
+        }));
+        done.from_line.then_some(result)
+    }
+
+    /// Drops the lap in progress after an interruption; what it holds stays in the data.
+    pub(crate) fn interrupt(&mut self) {
+        self.current.clean = false;
+        if let Some(last) = self.current.samples.last_mut() {
+            last.next = None;
+        }
+    }
+
+    /// The `count` laps of the safe set: valid ones, fastest or most recent first.
+    pub(crate) fn select(&self, count: usize, fastest: bool) -> Vec<usize> {
+        let mut valid: Vec<usize> =
+            (0..self.laps.len()).rev().filter(|&i| self.laps[i].result.valid).collect();
+        if fastest {
+            // Stable: of equally fast laps the more recent comes first.
+            valid.sort_by(|&a, &b| {
+                self.laps[a].result.lap_time.total_cmp(&self.laps[b].result.lap_time)
+            });
+        }
+        valid.truncate(count);
+        valid
+    }
+}

@@ -1,0 +1,7 @@
+//! What is learned from the car's own laps: data, safe set, error model, grip.
+
+pub mod dataset;
+pub(crate) mod grip;
+pub(crate) mod neighbors;
+pub mod regression;
+pub mod safe_set;

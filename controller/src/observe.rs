@@ -1,0 +1,167 @@
+//! From a measurement to a believed state: refusal, lap counting, recording.
+
+use vehicle_model::{Input, State, Track};
+
+use crate::config::Config;
+use crate::learning::dataset::Sample;
+use crate::memory::{Last, Memory};
+use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
+
+/// Jumps in a row after which the new place is believed.
+const SUSPECTS: u32 = 3;
+/// Share of the distance driven that a measurement may deviate from dead reckoning.
+const JUMP_SHARE: f64 = 0.1;
+
+/// What is known of the car's shape and track when a measurement comes in.
+pub(crate) struct Observer<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) track: &'a Track,
+    /// A deviation up to this is no jump [m].
+    pub(crate) jump_floor: f64,
+}
+
+/// A believed measurement.
+pub(crate) struct Observation {
+    pub(crate) state: State,
+    pub(crate) reason: Reason,
+    pub(crate) finished: Option<LapResult>,
+    /// The line was crossed: frames move by one lap.
+    pub(crate) crossed: bool,
+}
+
+impl Observer<'_> {
+    /// Believes or refuses a measurement; a believed one is recorded.
+    pub(crate) fn observe(
+        &self,
+        memory: &mut Memory,
+        measurement: &Measurement,
+    ) -> Result<Observation, Reason> {
+        let state = self.frenet(memory, measurement).ok_or(Reason::NonFinite)?;
+        let time = measurement.time;
+        let Some(last) = memory.last else {
+            return Ok(self.begin(memory, time, state, Reason::None));
+        };
+        let periods = (time - last.time) / self.config.horizon.period;
+        if periods < 1e-6 {
+            return Err(Reason::TimeNotAdvancing);
+        }
+        if self.jumped(&last, time, &state) {
+            memory.suspects += 1;
+            if memory.suspects < SUSPECTS {
+                return Err(Reason::Jump);
+            }
+            memory.dataset.interrupt();
+            return Ok(self.begin(memory, time, state, Reason::Jump));
+        }
+        memory.suspects = 0;
+        let gap = !(0.5..1.5).contains(&periods);
+        self.complete_last_sample(memory, &state, measurement.applied, gap);
+        let ahead = state.s - last.state.s;
+        let half = 0.5 * self.track.length();
+        let crossed = ahead < -half;
+        if ahead > half {
+            // Backwards over the line: the lap in progress has lost its meaning.
+            memory.dataset.interrupt();
+        }
+        let finished = crossed.then(|| self.cross(memory, &last, time, &state)).flatten();
+        self.record(memory, time, state);
+        let reason = if gap { Reason::TimeGap } else { Reason::None };
+        Ok(Observation { state, reason, finished, crossed })
+    }
+
+    fn frenet(&self, memory: &Memory, measurement: &Measurement) -> Option<State> {
+        if !measurement.time.is_finite() || measurement.applied.is_some_and(|u| !u.is_finite()) {
+            return None;
+        }
+        let mut state = match measurement.pose {
+            Pose::Frenet(state) if state.is_finite() => state,
+            Pose::Global(global) if global.is_finite() => {
+                self.track.to_frenet(&global, memory.last.map(|last| last.state.s))
+            }
+            _ => return None,
+        };
+        state.s = self.track.wrap(state.s);
+        Some(state)
+    }
+
+    /// Starts recording at a place not connected with what came before.
+    fn begin(&self, memory: &mut Memory, time: f64, state: State, reason: Reason) -> Observation {
+        let first = memory.last.is_none();
+        let near_line = state.s < 0.02 * self.track.length();
+        memory.suspects = 0;
+        memory.drop_plan();
+        if first {
+            let current = &mut memory.dataset.current;
+            current.start_time = time;
+            current.from_line = near_line;
+            current.clean = near_line;
+            memory.lap = u32::from(near_line);
+        }
+        self.record(memory, time, state);
+        Observation { state, reason, finished: None, crossed: false }
+    }
+
+    /// Whether the state is farther from dead reckoning than any car can drive. In the global
+    /// frame: there a curvature step of the centre line makes no step.
+    fn jumped(&self, last: &Last, time: f64, state: &State) -> bool {
+        let dt = time - last.time;
+        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
+        let (sin, cos) = (from.psi + 0.5 * dt * from.omega_z).sin_cos();
+        let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
+        let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
+        let driven = dt * from.v_x.abs().max(to.v_x.abs());
+        let periods = (dt / self.config.horizon.period).max(1.0);
+        (to.x - x).hypot(to.y - y) > self.jump_floor * periods + JUMP_SHARE * driven
+    }
+
+    fn complete_last_sample(
+        &self,
+        memory: &mut Memory,
+        state: &State,
+        applied: Option<Input>,
+        gap: bool,
+    ) {
+        let current = &mut memory.dataset.current;
+        if gap {
+            current.clean = false;
+        }
+        let Some(sample) = current.samples.last_mut() else { return };
+        if let Some(applied) = applied {
+            sample.u = applied;
+        }
+        sample.next = (!gap).then_some([state.v_x, state.v_y, state.omega_z]);
+    }
+
+    /// Closes the lap at the interpolated crossing of the line.
+    fn cross(
+        &self,
+        memory: &mut Memory,
+        last: &Last,
+        time: f64,
+        state: &State,
+    ) -> Option<LapResult> {
+        let before = self.track.length() - last.state.s;
+        let share = before / (before + state.s);
+        let end_time = last.time + share * (time - last.time);
+        let kind = if memory.learning { LapKind::Learning } else { LapKind::Warmup };
+        let finished = memory.dataset.close(memory.lap, kind, end_time);
+        if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
+            memory.learned_laps += 1;
+        }
+        memory.lap += 1;
+        memory.learning = memory.valid_laps() >= self.config.warm_up.laps;
+        memory.lap_due = true;
+        finished
+    }
+
+    fn record(&self, memory: &mut Memory, time: f64, state: State) {
+        memory.last = Some(Last { time, state });
+        let current = &mut memory.dataset.current;
+        let outside = state.e_y > self.track.width_left(state.s)
+            || state.e_y < -self.track.width_right(state.s);
+        if outside {
+            current.clean = false;
+        }
+        current.samples.push(Sample { time, x: state, u: Input::default(), next: None });
+    }
+}

@@ -1,0 +1,196 @@
+//! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
+
+use nalgebra::{Vector2, Vector3, Vector6};
+use vehicle_model::{CarParams, Input, SlipAngles, State};
+
+use crate::config::Config;
+use crate::controller::Setup;
+use crate::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, Slacks, SlipRow, Solution, SolveReport};
+use crate::learned_model::{self, LearnedModel};
+use crate::learning::regression::{RegressionData, Scratch};
+use crate::learning::safe_set::{Query, SafeSet};
+use crate::memory::Memory;
+use crate::status::{Phase, Probe};
+
+/// Problem, solver and memory that is reused from step to step.
+pub(crate) struct Workspace {
+    problem: Fhocp,
+    solution: Solution,
+    solver: ClarabelSolver,
+    pub(crate) slacks: Slacks,
+    pub(crate) safe_set: SafeSet,
+    pub(crate) supports: Vec<f64>,
+    pub(crate) scratch: Scratch,
+}
+
+impl Workspace {
+    pub(crate) fn new(config: &Config, car: &CarParams) -> Self {
+        let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
+        let mut problem = Fhocp::new(n, hull);
+        let (cost, dt) = (&config.cost, config.horizon.period);
+        problem.input_cost = Vector2::repeat(cost.input);
+        problem.u_min = Vector2::new(car.a_min, -car.delta_max);
+        problem.u_max = Vector2::new(car.a_max, car.delta_max);
+        problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));
+        problem.lane_linear = cost.lane_linear;
+        problem.lane_quadratic = cost.lane_quadratic;
+        problem.front_max = bound(config.limits.front_slip);
+        problem.rear_max = bound(config.limits.rear_slip);
+        problem.slip_linear = cost.slip;
+        problem.speed_max = bound(config.limits.speed_cap);
+        problem.speed_linear = cost.speed;
+        problem.terminal_slack = Vector6::from(cost.terminal_slack);
+        Self {
+            problem,
+            solution: Solution::new(n, hull),
+            solver: ClarabelSolver::new(config.solver.clone()),
+            slacks: Slacks::default(),
+            safe_set: SafeSet::default(),
+            supports: Vec::with_capacity(n),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Everything that does not need the measurement: model, safe set, lane and guards.
+    pub(crate) fn prepare(&mut self, setup: &Setup, memory: &Memory, probe: &mut impl Probe) {
+        probe.begin(Phase::Linearize);
+        self.linearize(setup, memory);
+        probe.end(Phase::Linearize);
+        probe.begin(Phase::Regress);
+        self.regress(setup, memory);
+        probe.end(Phase::Regress);
+        probe.begin(Phase::SafeSet);
+        let query = Query {
+            s: memory.query_s,
+            length: setup.track.length(),
+            period: setup.config.horizon.period,
+        };
+        let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
+        self.safe_set.fill(&memory.dataset, &memory.derived.selected, &query, size);
+        probe.end(Phase::SafeSet);
+        self.weigh(&setup.config, memory);
+    }
+
+    fn linearize(&mut self, setup: &Setup, memory: &Memory) {
+        let mode = setup.config.regression.mode;
+        for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
+            self.problem.model[t] = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
+            self.problem.front[t] = front_slip(&setup.car, x, u);
+            // The lane and the rear guard bind the state at the stage's end.
+            let next = &memory.plan.x[t + 1];
+            self.problem.rear[t] = rear_slip(&setup.car, next);
+            let margin = setup.config.limits.lane_margin;
+            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin;
+            self.problem.e_y_min[t] = margin - setup.track.width_right(next.s);
+        }
+    }
+
+    fn regress(&mut self, setup: &Setup, memory: &Memory) {
+        let (data, config) = (&memory.derived.regression, &setup.config.regression);
+        self.supports.clear();
+        for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
+            let (error, support) = learned_model::error(data, config, x, u, &mut self.scratch);
+            self.problem.model[t] = self.problem.model[t] + error;
+            self.supports.push(support);
+        }
+    }
+
+    /// Rate weights per step difference, from those per second.
+    fn weigh(&mut self, config: &Config, memory: &Memory) {
+        let cost = &config.cost;
+        let gentle = cost.gentle_start * 0.5_f64.powi(memory.learned_laps.min(1000) as i32);
+        let acceleration = cost.control_rate * cost.acceleration_rate.max(gentle);
+        let steering = (cost.control_rate * cost.steering_rate).max(cost.steering_rate_floor);
+        let dt = config.horizon.period;
+        self.problem.rate_cost = Vector2::new(acceleration, steering) / (dt * dt);
+    }
+
+    /// Solves from `x_0`; on success the plan in `memory` is the new solution.
+    pub(crate) fn solve(&mut self, x_0: &State, memory: &mut Memory) -> SolveReport {
+        // s counts from the car: the numbers stay small whatever the length of the track.
+        let origin = x_0.s;
+        self.problem.x_0 = x_0.to_vector();
+        self.problem.x_0[4] = 0.0;
+        self.problem.u_prev = memory.u_prev.to_vector();
+        for (ours, point) in self.problem.hull.iter_mut().zip(&self.safe_set.points) {
+            *ours = *point;
+            ours[4] -= origin;
+        }
+        self.problem.hull_cost.copy_from_slice(&self.safe_set.cost_to_go);
+        let mut report = self.solver.solve(&self.problem, &mut self.solution);
+        if report.status.usable() && !self.solution.is_finite() {
+            report.status = crate::status::SolveStatus::Numerical;
+        }
+        if report.status.usable() {
+            self.slacks.fill(&self.problem, &self.solution);
+            self.store(origin, memory);
+        }
+        report
+    }
+
+    fn store(&self, origin: f64, memory: &mut Memory) {
+        let plan = &mut memory.plan;
+        for (ours, x) in plan.x.iter_mut().zip(&self.solution.x) {
+            *ours = State::from_vector(x);
+            ours.s += origin;
+        }
+        for (ours, u) in plan.u.iter_mut().zip(&self.solution.u) {
+            *ours = Input::from_vector(u);
+        }
+        memory.plan_age = 0;
+        memory.query_s = self.safe_set.successor(&self.solution.lambda);
+        memory.plan_tail = Input::from_vector(&self.safe_set.input(&self.solution.lambda));
+    }
+
+    /// Optimal cost of the last solution.
+    pub(crate) fn cost(&self) -> (f64, f64) {
+        (self.problem.cost(&self.solution), self.problem.terminal_cost(&self.solution))
+    }
+
+    /// Nominal and error model at one point.
+    pub(crate) fn model_at(
+        setup: &Setup,
+        data: &RegressionData,
+        x: &State,
+        u: &Input,
+        scratch: &mut Scratch,
+    ) -> LearnedModel {
+        let mode = setup.config.regression.mode;
+        let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
+        let (error, support) = learned_model::error(data, &setup.config.regression, x, u, scratch);
+        LearnedModel { nominal, error, support }
+    }
+}
+
+/// A limit of which 0 means none.
+fn bound(limit: f64) -> f64 {
+    if limit > 0.0 { limit } else { f64::INFINITY }
+}
+
+/// Greatest change in one period.
+fn rate(limit: Option<f64>, dt: f64) -> f64 {
+    limit.map_or(f64::INFINITY, |limit| limit * dt)
+}
+
+/// The front slip angle linearised at (x, u).
+fn front_slip(car: &CarParams, x: &State, u: &Input) -> SlipRow {
+    let slip = SlipAngles::new(x, u, car);
+    let velocity = slip.front_gradient;
+    let offset = slip.front - u.delta - velocity.dot(&velocities(x));
+    SlipRow { velocity: velocity.into(), steering: 1.0, offset }
+}
+
+/// The rear slip angle linearised at x.
+fn rear_slip(car: &CarParams, x: &State) -> SlipRow {
+    let slip = SlipAngles::new(x, &Input::default(), car);
+    let velocity = slip.rear_gradient;
+    SlipRow {
+        velocity: velocity.into(),
+        steering: 0.0,
+        offset: slip.rear - velocity.dot(&velocities(x)),
+    }
+}
+
+fn velocities(x: &State) -> Vector3<f64> {
+    Vector3::new(x.v_x, x.v_y, x.omega_z)
+}

@@ -1,0 +1,124 @@
+//! Named sets of settings: `paper` for reproduction, `race` for speed.
+
+use serde::{Deserialize, Serialize};
+
+use crate::config::{
+    Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
+    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, WarmUpConfig,
+};
+
+/// A named set of settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// As close to the paper as is known.
+    Paper,
+    /// Our best: slip guards front and rear, acceleration rate nearly free after a gentle start,
+    /// grip fitted by least squares.
+    #[default]
+    Race,
+}
+
+impl Config {
+    /// The settings of a preset.
+    #[must_use]
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Paper => Self::paper(),
+            Preset::Race => Self::race(),
+        }
+    }
+
+    fn paper() -> Self {
+        Self {
+            preset: Preset::Paper,
+            horizon: Horizon { steps: 12, period: 0.1, substeps: 10 },
+            safe_set: SafeSetConfig { neighbors: 8, laps: 3, selection: Selection::Recent },
+            regression: RegressionConfig {
+                mode: RegressionMode::Error,
+                neighbors: 20,
+                laps: 4,
+                bandwidth: 5.0,
+                ridge: 1e-3,
+                metric: [5.0, 5.0, 1.0, 1.0, 5.0],
+                features: Features::Own,
+            },
+            nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false },
+            cost: CostConfig {
+                input: 1e-3,
+                control_rate: 0.1,
+                acceleration_rate: 1.0,
+                steering_rate: 1.0,
+                steering_rate_floor: 0.0,
+                gentle_start: 0.0,
+                terminal_slack: [40.0, 4.0, 4.0, 40.0, 40.0, 40.0],
+                lane_linear: 25.0,
+                lane_quadratic: 100.0,
+                slip: 1000.0,
+                speed: 25.0,
+            },
+            limits: LimitsConfig {
+                lane_margin: 0.1,
+                front_slip: 0.12,
+                rear_slip: 0.0,
+                speed_cap: 0.0,
+            },
+            warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
+            delay: DelayConfig { steps: 0 },
+            solver: SolverConfig { tolerance: 1e-8, max_iterations: 60 },
+        }
+    }
+
+    fn race() -> Self {
+        let paper = Self::paper();
+        Self {
+            preset: Preset::Race,
+            horizon: Horizon { steps: 15, ..paper.horizon },
+            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Fastest },
+            regression: RegressionConfig {
+                neighbors: 40,
+                metric: [2.0, 2.0, 1.0, 1.0, 2.0],
+                features: Features::Both,
+                ..paper.regression
+            },
+            nominal: NominalConfig { adapt_grip: true, ..paper.nominal },
+            cost: CostConfig {
+                acceleration_rate: 1e-3,
+                steering_rate_floor: 0.05,
+                gentle_start: 1.0,
+                slip: 200.0,
+                ..paper.cost
+            },
+            limits: LimitsConfig { front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
+            ..paper
+        }
+    }
+}
+
+macro_rules! default_of_race {
+    ($($section:ident: $type:ty),* $(,)?) => {$(
+        impl Default for $type {
+            fn default() -> Self {
+                Config::default().$section
+            }
+        }
+    )*};
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::race()
+    }
+}
+
+default_of_race! {
+    horizon: Horizon,
+    safe_set: SafeSetConfig,
+    regression: RegressionConfig,
+    nominal: NominalConfig,
+    cost: CostConfig,
+    limits: LimitsConfig,
+    warm_up: WarmUpConfig,
+    delay: DelayConfig,
+    solver: SolverConfig,
+}

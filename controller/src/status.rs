@@ -1,0 +1,192 @@
+//! What goes into a control step and what comes out of it.
+
+use serde::{Deserialize, Serialize};
+use vehicle_model::{GlobalState, Input, State};
+
+/// Where the car is: in the track's frame or in the global one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Pose {
+    /// Frenet state.
+    Frenet(State),
+    /// Global pose with body velocities; the controller projects it onto its track.
+    Global(GlobalState),
+}
+
+/// One measurement of the car.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// Time of the measurement on the host's clock; only differences count [s].
+    pub time: f64,
+    /// The state.
+    pub pose: Pose,
+    /// The input that really acted since the last measurement, where the car reports it.
+    /// Without it the controller takes the one it commanded, after its configured delay.
+    pub applied: Option<Input>,
+}
+
+/// What a control step did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Action {
+    /// An initial lap: centre-line tracking with excitation.
+    #[default]
+    WarmUp,
+    /// The first input of the FHOCP's solution.
+    Learned,
+    /// The previous plan, shifted to now.
+    ShiftedPlan,
+    /// Centre-line tracking at warm-up speed.
+    Tracking,
+    /// Braking along the centre line.
+    Braking,
+}
+
+/// Why the step did what it did, if not the normal course.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Reason {
+    /// Nothing unusual.
+    #[default]
+    None,
+    /// The QP was not solved; see [`Status::solve`].
+    SolverFailed,
+    /// The measurement holds a value that is not finite.
+    NonFinite,
+    /// Time did not advance since the last step.
+    TimeNotAdvancing,
+    /// More than 1.5 periods passed since the last step.
+    TimeGap,
+    /// The state jumped farther than the car can drive in the time passed.
+    Jump,
+    /// The centre of gravity is beyond a track edge.
+    OffTrack,
+    /// The car points more than 90 degrees away from the track.
+    WrongWay,
+    /// The car stands or creeps, so that the learned model cannot be used.
+    Standstill,
+    /// No lap has been recorded to learn from.
+    NoSafeSet,
+}
+
+/// How the solver ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SolveStatus {
+    /// No problem was given to the solver in this step.
+    #[default]
+    NotRun,
+    /// Solved to tolerance.
+    Solved,
+    /// Solved to a reduced tolerance; the solution is used.
+    AlmostSolved,
+    /// Iteration limit.
+    MaxIterations,
+    /// Reported infeasible. The FHOCP is feasible by construction: its prediction exploded.
+    Infeasible,
+    /// Numerical failure or a value that is not finite.
+    Numerical,
+}
+
+impl SolveStatus {
+    /// Whether the solution may be applied.
+    #[must_use]
+    pub fn usable(self) -> bool {
+        matches!(self, Self::Solved | Self::AlmostSolved)
+    }
+}
+
+/// Kind of a lap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LapKind {
+    /// Initial lap by centre-line tracking.
+    Warmup,
+    /// Driven by the learning controller.
+    Learning,
+}
+
+/// A finished lap.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LapResult {
+    /// Number of the lap, from 1.
+    pub lap: u32,
+    /// Kind.
+    pub kind: LapKind,
+    /// Lap time between the interpolated crossings of the line [s].
+    pub lap_time: f64,
+    /// Whether the whole lap was inside the track, with complete data; only such laps enter the
+    /// safe set.
+    pub valid: bool,
+}
+
+/// What a step did, why, and how far it can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Status {
+    /// What was done.
+    pub action: Action,
+    /// Why, if not the normal course.
+    pub reason: Reason,
+    /// How the solver ended.
+    pub solve: SolveStatus,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Number of the current lap, from 1.
+    pub lap: u32,
+    /// State used, in the track's frame (the last good one if the measurement was refused).
+    pub state: State,
+    /// Optimal cost of the FHOCP in steps.
+    pub cost: f64,
+    /// Largest lane slack along the plan [m].
+    pub lane_slack: f64,
+    /// Largest front slip-guard slack along the plan [rad].
+    pub front_slip_slack: f64,
+    /// Largest rear slip-guard slack along the plan [rad].
+    pub rear_slip_slack: f64,
+    /// Largest speed-cap slack along the plan [m/s].
+    pub speed_slack: f64,
+    /// Cost of the terminal slack in steps.
+    pub terminal_slack: f64,
+    /// Sum of the kernel weights at the worst supported point of the horizon: 0 means that the
+    /// nominal model stands alone there.
+    pub data_support_min: f64,
+    /// Mean over the horizon of the sum of the kernel weights.
+    pub data_support_mean: f64,
+    /// Whether the input was cut to the car's limits.
+    pub clipped: bool,
+    /// The lap that this measurement finished.
+    pub finished: Option<LapResult>,
+}
+
+/// The outcome of a control step.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Command {
+    /// Input to apply, always finite and inside the car's limits.
+    pub input: Input,
+    /// What was done and why.
+    pub status: Status,
+}
+
+/// Phases of a step, for hosts that measure time: the controller itself has no clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Phase {
+    /// Reading the measurement: projection, lap counting, recording, delay compensation.
+    Project,
+    /// Jacobians of the nominal model along the shifted plan.
+    Linearize,
+    /// Error regression along the shifted plan.
+    Regress,
+    /// Safe set around the predicted terminal state.
+    SafeSet,
+    /// Assembly and solution of the QP.
+    Solve,
+}
+
+/// Told when a phase of the step begins and ends.
+pub trait Probe {
+    /// A phase begins.
+    fn begin(&mut self, phase: Phase);
+    /// That phase ends.
+    fn end(&mut self, phase: Phase);
+}
+
+impl Probe for () {
+    fn begin(&mut self, _: Phase) {}
+    fn end(&mut self, _: Phase) {}
+}

@@ -1,0 +1,121 @@
+//! Learned data as bytes: magic, version, length, checksum, then fingerprints and laps.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::config::Config;
+use crate::error::DataError;
+use crate::learning::dataset::Lap;
+
+const MAGIC: &[u8; 8] = b"LMPCDATA";
+const VERSION: u32 = 1;
+/// Magic, version, length, checksum.
+const HEADER: usize = 8 + 4 + 8 + 4;
+
+/// What is kept from one day to the next.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Learned {
+    pub(crate) identity: Identity,
+    pub(crate) grip: [f64; 2],
+    pub(crate) laps: Vec<Arc<Lap>>,
+}
+
+/// What the data belong to.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Identity {
+    pub(crate) car: u64,
+    pub(crate) track: u64,
+    /// The configuration as TOML, without the seed.
+    pub(crate) config: String,
+}
+
+impl Identity {
+    pub(crate) fn new(car: u64, track: u64, config: &Config) -> Self {
+        let mut config = config.clone();
+        // Another seed is another trial of the same thing.
+        config.warm_up.seed = 0;
+        Self { car, track, config: toml::to_string(&config).unwrap_or_default() }
+    }
+
+    /// Refuses data that belong to something else.
+    pub(crate) fn accept(&self, other: &Self) -> Result<(), DataError> {
+        let differ = |what, ours: u64, theirs: u64| {
+            let detail = format!("fingerprint {theirs:016x} in the data, {ours:016x} here");
+            Err(DataError::Mismatch { what, detail })
+        };
+        if self.car != other.car {
+            return differ("car", self.car, other.car);
+        }
+        if self.track != other.track {
+            return differ("track", self.track, other.track);
+        }
+        if self.config != other.config {
+            let detail = first_difference(&self.config, &other.config);
+            return Err(DataError::Mismatch { what: "configuration", detail });
+        }
+        Ok(())
+    }
+}
+
+/// The lines in which two configurations differ.
+fn first_difference(ours: &str, theirs: &str) -> String {
+    let mut section = "";
+    for (here, there) in ours.lines().zip(theirs.lines()) {
+        if here.starts_with('[') {
+            section = here;
+        }
+        if here != there {
+            return format!("{section} `{there}` in the data, `{here}` here");
+        }
+    }
+    "one has more keys than the other".to_owned()
+}
+
+/// Wraps `content` with magic, version, length and checksum.
+pub(crate) fn seal<T: Serialize>(content: &T) -> Vec<u8> {
+    // Encoding plain structs of numbers into memory has no way to fail.
+    let content = postcard::to_allocvec(content).unwrap_or_default();
+    let mut bytes = Vec::with_capacity(HEADER + content.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(&crc32fast::hash(&content).to_le_bytes());
+    bytes.extend_from_slice(&content);
+    bytes
+}
+
+/// Checks and decodes what [`seal`] wrote.
+pub(crate) fn open<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, DataError> {
+    let found = &bytes[..bytes.len().min(MAGIC.len())];
+    let (Some(header), Some(content)) = (bytes.get(..HEADER), bytes.get(HEADER..)) else {
+        if found == MAGIC {
+            return Err(DataError::Length { found: 0, expected: HEADER as u64 });
+        }
+        return Err(DataError::Magic { found: found.to_vec() });
+    };
+    if found != MAGIC {
+        return Err(DataError::Magic { found: found.to_vec() });
+    }
+    let version = u32::from_le_bytes(array(header, 8));
+    if version != VERSION {
+        return Err(DataError::Version { found: version, expected: VERSION });
+    }
+    let expected = u64::from_le_bytes(array(header, 12));
+    if content.len() as u64 != expected {
+        return Err(DataError::Length { found: content.len(), expected });
+    }
+    let expected = u32::from_le_bytes(array(header, 20));
+    let found = crc32fast::hash(content);
+    if found != expected {
+        return Err(DataError::Checksum { found, expected });
+    }
+    postcard::from_bytes(content).map_err(|error| DataError::Content(error.to_string()))
+}
+
+/// `N` bytes of the header at `at`.
+fn array<const N: usize>(header: &[u8], at: usize) -> [u8; N] {
+    let mut out = [0; N];
+    out.copy_from_slice(&header[at..at + N]);
+    out
+}

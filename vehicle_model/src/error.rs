@@ -1,0 +1,26 @@
+//! What can go wrong while a car is built.
+
+use crate::params::ParamProblem;
+
+/// Why a car or plant could not be built.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// No car of this name ships with the product.
+    #[error("unknown car '{found}', expected one of {known}")]
+    UnknownCar {
+        /// Name asked for.
+        found: String,
+        /// Names that exist.
+        known: String,
+    },
+    /// The text is no car file.
+    #[error("car file: {0}")]
+    CarSyntax(toml::de::Error),
+    /// Values out of range, all of them.
+    #[error("car file: {}", join(.0))]
+    CarInvalid(Vec<ParamProblem>),
+}
+
+fn join(problems: &[ParamProblem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}

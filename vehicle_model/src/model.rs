@@ -1,0 +1,141 @@
+//! Single-track (bicycle) models of the car in the Frenet frame.
+//!
+//! The equations are written once, over a generic number: plain `f64` gives values, dual numbers
+//! give exact Jacobians of the same code.
+
+mod axles;
+mod bicycle;
+mod kinematic;
+mod tyre;
+
+use num_dual::DualNum;
+use serde::{Deserialize, Serialize};
+
+use crate::params::CarParams;
+use crate::state::{Input, NU, NX, State};
+
+pub use axles::AxleForces;
+pub(crate) use tyre::slip_speed;
+
+/// A number the equations can be evaluated with: `f64` or a dual number over it.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+
+impl<T: DualNum<Primitive = f64> + Copy> Number for T {}
+
+/// Which equations a model uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// Bicycle with tyre forces.
+    #[default]
+    Dynamic,
+    /// Bicycle that rolls where its wheels point, as a six-state model.
+    Kinematic,
+}
+
+/// Velocities that move the pose during one step of the kinematic model, whose velocity rows jump
+/// to their new values algebraically.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PoseConvention {
+    /// From the measured velocities linearly to the new ones.
+    #[default]
+    Interpolated,
+    /// The measured velocities held over the step.
+    Held,
+    /// The kinematic velocities of the new steering angle from the start of the step.
+    Algebraic,
+}
+
+/// A continuous-time model of one car.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Which equations.
+    pub kind: ModelKind,
+    /// The car.
+    pub params: CarParams,
+    /// Factors on the friction coefficient of the front and rear axle, by default 1 [-].
+    pub grip: [f64; 2],
+    /// How the kinematic model moves its pose.
+    pub pose: PoseConvention,
+}
+
+impl Model {
+    /// A model with unchanged grip.
+    #[must_use]
+    pub fn new(kind: ModelKind, params: CarParams) -> Self {
+        Self { kind, params, grip: [1.0, 1.0], pose: PoseConvention::default() }
+    }
+
+    /// Time derivative of the state [v_x, v_y, omega_z, e_psi, s, e_y] on a path of curvature
+    /// `kappa` [1/m].
+    #[must_use]
+    pub fn derivative(&self, x: &State, u: &Input, kappa: f64) -> [f64; NX] {
+        self.derivative_generic(&state_array(x), &[u.a, u.delta], kappa, &self.grip)
+    }
+
+    /// Forces of both axles in this state.
+    #[must_use]
+    pub fn forces(&self, x: &State, u: &Input) -> AxleForces<f64> {
+        bicycle::forces(&self.params, &state_array(x), &[u.a, u.delta], &self.grip)
+    }
+
+    /// The one source of the equations; `grip` are the factors on the friction coefficients.
+    pub(crate) fn derivative_generic<T: Number>(
+        &self,
+        x: &[T; NX],
+        u: &[T; NU],
+        kappa: f64,
+        grip: &[T; 2],
+    ) -> [T; NX] {
+        let velocity = match self.kind {
+            ModelKind::Dynamic => bicycle::velocity_rates(&self.params, x, u, grip),
+            ModelKind::Kinematic => kinematic::velocity_rates(&self.params, x, u),
+        };
+        let pose = pose_rates(&[x[0], x[1], x[2]], &[x[3], x[4], x[5]], kappa);
+        [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
+    }
+
+    /// Velocities of the kinematic model at the end of a step of `dt`.
+    pub(crate) fn kinematic_velocities<T: Number>(
+        &self,
+        x: &[T; NX],
+        u: &[T; NU],
+        dt: f64,
+    ) -> [T; 3] {
+        kinematic::velocities(&self.params, x[0] + self.kinematic_rate(x, u) * dt, u[1])
+    }
+
+    /// Longitudinal acceleration of the kinematic model.
+    pub(crate) fn kinematic_rate<T: Number>(&self, x: &[T; NX], u: &[T; NU]) -> T {
+        kinematic::speed_rate(&self.params, x, u)
+    }
+
+    /// Kinematic velocities at a speed.
+    pub(crate) fn rolling_velocities<T: Number>(&self, v_x: T, delta: T) -> [T; 3] {
+        kinematic::velocities(&self.params, v_x, delta)
+    }
+}
+
+/// Smallest 1 - kappa e_y the pose equations divide by: the frame is singular at the centre of
+/// curvature, far off every track.
+const MIN_FRENET_SCALE: f64 = 0.05;
+
+/// Rates of the pose [e_psi, s, e_y] from the velocities [v_x, v_y, omega_z] (Frenet kinematics;
+/// Xue et al. 2023, eq. 2).
+pub(crate) fn pose_rates<T: Number>(v: &[T; 3], pose: &[T; 3], kappa: f64) -> [T; 3] {
+    let [v_x, v_y, omega_z] = *v;
+    let [e_psi, _, e_y] = *pose;
+    let (sin_psi, cos_psi) = e_psi.sin_cos();
+    let mut scale = -(e_y * kappa) + 1.0;
+    if scale.re() < MIN_FRENET_SCALE {
+        scale = T::from(MIN_FRENET_SCALE);
+    }
+    let s_dot = (v_x * cos_psi - v_y * sin_psi) / scale;
+    [omega_z - s_dot * kappa, s_dot, v_x * sin_psi + v_y * cos_psi]
+}
+
+/// The state as an array in the common order.
+pub(crate) fn state_array(x: &State) -> [f64; NX] {
+    [x.v_x, x.v_y, x.omega_z, x.e_psi, x.s, x.e_y]
+}

@@ -1,0 +1,114 @@
+//! Longitudinal forces and vertical loads of the two axles.
+
+use super::Number;
+use crate::params::{CarParams, GRAVITY};
+
+/// Speed below which rolling resistance fades to zero, so that it stops a car and does not push
+/// it [m/s].
+const ROLLING_FADE_SPEED: f64 = 0.1;
+/// Lowest speed at which a power limit is evaluated [m/s].
+const MIN_POWER_SPEED: f64 = 0.5;
+/// An axle never lifts off completely: least share of its static load.
+const MIN_LOAD_SHARE: f64 = 0.02;
+
+/// Forces of the axles of a bicycle model; index 0 is the front, 1 the rear axle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxleForces<T> {
+    /// Longitudinal force along the wheel [N].
+    pub long: [T; 2],
+    /// Lateral force across the wheel, positive to the left [N].
+    pub lateral: [T; 2],
+    /// Vertical load [N].
+    pub vertical: [T; 2],
+    /// Slip angle [rad].
+    pub slip: [T; 2],
+    /// Share of the tyre's peak force in use, sqrt(F_x^2 + F_y^2)/(mu F_z) [-].
+    pub utilisation: [T; 2],
+}
+
+/// What acts along the car.
+pub(super) struct Longitudinal<T> {
+    /// Acceleration by the wheels of the front and rear axle [m/s^2].
+    pub(super) axle: [T; 2],
+    /// Share on the front axle is not zero.
+    pub(super) front_acts: bool,
+    /// Deceleration by drag and rolling resistance [m/s^2]; `None` if all are off.
+    pub(super) resistance: Option<T>,
+}
+
+/// Splits the commanded acceleration between the axles, inside power and force limits.
+pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitudinal<T> {
+    let driving = a.re() >= 0.0;
+    let share = if driving { car.drive_front } else { car.brake_front };
+    let a = limited(car, v_x, a);
+    let axle = if share == 0.0 { [T::from(0.0), a] } else { [a * share, a * (1.0 - share)] };
+    Longitudinal { axle, front_acts: share != 0.0, resistance: resistance(car, v_x) }
+}
+
+/// The commanded acceleration inside the limits of engine and brakes.
+fn limited<T: Number>(car: &CarParams, v_x: T, a: T) -> T {
+    if a.re() < 0.0 {
+        return match car.brake_force_max {
+            Some(force) if a.re() < -force / car.mass => T::from(-force / car.mass),
+            _ => a,
+        };
+    }
+    let mut a = a;
+    if let Some(force) = car.drive_force_max
+        && a.re() > force / car.mass
+    {
+        a = T::from(force / car.mass);
+    }
+    if let Some(power) = car.power_max {
+        let speed = if v_x.re() > MIN_POWER_SPEED { v_x } else { T::from(MIN_POWER_SPEED) };
+        let most = speed.recip() * (power / car.mass);
+        if a.re() > most.re() {
+            a = most;
+        }
+    }
+    a
+}
+
+/// Deceleration by drag, rolling resistance and the studies' linear drag.
+fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
+    let drag = 0.5 * car.rho * car.cd * car.area / car.mass;
+    if drag == 0.0 && car.rolling == 0.0 && car.linear_drag == 0.0 {
+        return None;
+    }
+    let mut sum = v_x * v_x.abs() * drag + v_x * car.linear_drag;
+    if car.rolling != 0.0 {
+        sum += (v_x * (1.0 / ROLLING_FADE_SPEED)).tanh() * (car.rolling * GRAVITY);
+    }
+    Some(sum)
+}
+
+/// Vertical loads: static, plus downforce, plus transfer by the longitudinal acceleration.
+pub(super) fn vertical_loads<T: Number>(
+    car: &CarParams,
+    v_x: T,
+    along: &Longitudinal<T>,
+) -> [T; 2] {
+    let fixed = car.static_loads();
+    let mut loads = fixed.map(T::from);
+    let pressure = 0.5 * car.rho * car.area;
+    for (load, cl) in loads.iter_mut().zip([car.cl_front, car.cl_rear]) {
+        if pressure * cl != 0.0 {
+            *load += v_x * v_x * (pressure * cl);
+        }
+    }
+    if car.h_cg != 0.0 {
+        let mut a_x = along.axle[0] + along.axle[1];
+        if let Some(resistance) = along.resistance {
+            a_x -= resistance;
+        }
+        let transfer = a_x * (car.mass * car.h_cg / car.wheelbase());
+        loads[0] -= transfer;
+        loads[1] += transfer;
+        for (load, fixed) in loads.iter_mut().zip(fixed) {
+            if load.re() < MIN_LOAD_SHARE * fixed {
+                *load = T::from(MIN_LOAD_SHARE * fixed);
+            }
+        }
+    }
+    loads
+}

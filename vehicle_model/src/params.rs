@@ -1,0 +1,216 @@
+//! Parameters of a car and the files they come from.
+//!
+//! Keys of the TOML file carry their unit (`mass_kg`), fields in code do not. An optional
+//! effect is off by default and each has a value that switches it off, so a file that leaves
+//! it out describes the plain single-track model.
+
+mod check;
+mod file;
+
+use serde::{Deserialize, Serialize};
+
+pub use check::ParamProblem;
+
+/// Standard gravity, as the reference numbers use it [m/s^2].
+pub const GRAVITY: f64 = 9.81;
+
+/// Lateral tyre of one axle: F_y = D sin(C atan(B alpha)) with D = mu F_z (Pacejka 2012, eq. 4.6,
+/// without curvature term).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Tyre {
+    /// Stiffness factor B [-].
+    pub b: f64,
+    /// Shape factor C [-].
+    pub c: f64,
+    /// Peak friction coefficient of the axle [-].
+    pub mu: f64,
+}
+
+impl Tyre {
+    /// Slip angle of the peak lateral force, tan(pi/(2C))/B [rad]; infinite for C <= 1, whose
+    /// curve has no peak.
+    #[must_use]
+    pub fn peak_slip(&self) -> f64 {
+        if self.c <= 1.0 {
+            return f64::INFINITY;
+        }
+        (std::f64::consts::FRAC_PI_2 / self.c).tan() / self.b
+    }
+}
+
+/// All parameters of one car: nominal model, simulated plant and input limits.
+///
+/// Built from a car file with [`CarParams::from_toml`] or [`CarParams::builtin`]. Fields may be
+/// changed afterwards; [`CarParams::validate`] tells whether they still make sense.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CarParams {
+    /// Name shown in reports; no part of the fingerprint.
+    pub name: String,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Yaw inertia [kg m^2].
+    pub inertia_z: f64,
+    /// Centre of gravity to front axle [m].
+    pub l_f: f64,
+    /// Centre of gravity to rear axle [m].
+    pub l_r: f64,
+    /// Lateral tyre of the front axle.
+    pub tyre_front: Tyre,
+    /// Lateral tyre of the rear axle.
+    pub tyre_rear: Tyre,
+    /// Height of the centre of gravity, moves load between the axles; 0 is off [m].
+    pub h_cg: f64,
+    /// Drag coefficient; 0 is off [-].
+    pub cd: f64,
+    /// Downforce coefficient of the front axle; 0 is off [-].
+    pub cl_front: f64,
+    /// Downforce coefficient of the rear axle; 0 is off [-].
+    pub cl_rear: f64,
+    /// Reference area of `cd` and `cl` [m^2].
+    pub area: f64,
+    /// Density of air [kg/m^3].
+    pub rho: f64,
+    /// Rolling resistance coefficient; 0 is off [-].
+    pub rolling: f64,
+    /// Deceleration per speed, v_x' -= linear_drag v_x, for studies; 0 is off [1/s].
+    pub linear_drag: f64,
+    /// Share of driving force on the steered front axle, 0 to 1 [-].
+    pub drive_front: f64,
+    /// Share of braking force on the steered front axle, 0 to 1 [-].
+    pub brake_front: f64,
+    /// Whether the longitudinal force of the steered front wheels turns the car (physics says
+    /// so; the reference numbers leave it out).
+    pub front_force_yaw: bool,
+    /// Whether longitudinal force takes from the lateral force (friction ellipse).
+    pub combined_slip: bool,
+    /// Limit of driving power at the wheels; `None` is off [W].
+    pub power_max: Option<f64>,
+    /// Limit of driving force; `None` is off [N].
+    pub drive_force_max: Option<f64>,
+    /// Limit of braking force; `None` is off [N].
+    pub brake_force_max: Option<f64>,
+    /// Body length [m].
+    pub length: f64,
+    /// Body width [m].
+    pub width: f64,
+    /// Strongest braking command, negative [m/s^2].
+    pub a_min: f64,
+    /// Strongest driving command [m/s^2].
+    pub a_max: f64,
+    /// Steering stop on each side [rad].
+    pub delta_max: f64,
+    /// Limit of the steering rate; `None` is off [rad/s].
+    pub delta_rate_max: Option<f64>,
+    /// Limit of the rate of the acceleration; `None` is off [m/s^3].
+    pub a_rate_max: Option<f64>,
+    /// First-order time constant of the actuators; 0 is off [s].
+    pub actuator_lag: f64,
+    /// Transport delay of the inputs; 0 is off [s].
+    pub actuator_delay: f64,
+    /// At and below this speed the lateral dynamics are kinematic [m/s].
+    pub blend_speed_low: f64,
+    /// At and above this speed the tyre model acts alone; both blend speeds 0 is off [m/s].
+    pub blend_speed_high: f64,
+}
+
+impl CarParams {
+    /// Distance between the axles, l_f + l_r [m].
+    #[must_use]
+    pub fn wheelbase(&self) -> f64 {
+        self.l_f + self.l_r
+    }
+
+    /// Static vertical load of the front and rear axle, m g l_other / l [N].
+    #[must_use]
+    pub fn static_loads(&self) -> [f64; 2] {
+        let weight = self.mass * GRAVITY;
+        [weight * (self.l_r / self.wheelbase()), weight * (self.l_f / self.wheelbase())]
+    }
+
+    /// This car with the same friction coefficient on both axles, as the studies set it.
+    #[must_use]
+    pub fn with_mu(mut self, mu: f64) -> Self {
+        self.tyre_front.mu = mu;
+        self.tyre_rear.mu = mu;
+        self
+    }
+
+    /// Switches the low-speed blend off: the tyre model acts at every speed.
+    #[must_use]
+    pub fn without_blend(mut self) -> Self {
+        self.blend_speed_low = 0.0;
+        self.blend_speed_high = 0.0;
+        self
+    }
+
+    /// Hash of every number (not of the name): FNV-1a over the bits of the fields in their order,
+    /// the same on every machine. Two cars with equal fingerprints have equal equations.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = Fnv1a::new();
+        for value in self.numbers() {
+            hash.write(value.to_bits());
+        }
+        for switch in [self.front_force_yaw, self.combined_slip] {
+            hash.write(u64::from(switch));
+        }
+        hash.0
+    }
+
+    /// Every number of the car in a fixed order; an absent limit counts as infinite.
+    fn numbers(&self) -> [f64; 34] {
+        let limit = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
+        let (front, rear) = (&self.tyre_front, &self.tyre_rear);
+        [
+            self.mass,
+            self.inertia_z,
+            self.l_f,
+            self.l_r,
+            front.b,
+            front.c,
+            front.mu,
+            rear.b,
+            rear.c,
+            rear.mu,
+            self.h_cg,
+            self.cd,
+            self.cl_front,
+            self.cl_rear,
+            self.area,
+            self.rho,
+            self.rolling,
+            self.linear_drag,
+            self.drive_front,
+            self.brake_front,
+            limit(self.power_max),
+            limit(self.drive_force_max),
+            limit(self.brake_force_max),
+            self.length,
+            self.width,
+            self.a_min,
+            self.a_max,
+            self.delta_max,
+            limit(self.delta_rate_max),
+            limit(self.a_rate_max),
+            self.actuator_lag,
+            self.actuator_delay,
+            self.blend_speed_low,
+            self.blend_speed_high,
+        ]
+    }
+}
+
+/// FNV-1a, 64 bit, fed with words.
+struct Fnv1a(u64);
+
+impl Fnv1a {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn write(&mut self, word: u64) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}

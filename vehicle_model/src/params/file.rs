@@ -1,0 +1,198 @@
+//! The car file: TOML with units in its keys.
+
+use serde::{Deserialize, Serialize};
+
+use super::{CarParams, GRAVITY, Tyre};
+use crate::error::ModelError;
+
+/// Friction of an axle as the file gives it: `mu`, or the peak force at static load.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TyreFile {
+    b: f64,
+    c: f64,
+    mu: Option<f64>,
+    peak_n: Option<f64>,
+}
+
+/// The keys of a car file; `CarParams` holds their meaning.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CarFile {
+    name: String,
+    mass_kg: f64,
+    inertia_z_kgm2: f64,
+    l_f_m: f64,
+    l_r_m: f64,
+    #[serde(default)]
+    h_cg_m: f64,
+    length_m: f64,
+    width_m: f64,
+    #[serde(default)]
+    cd: f64,
+    #[serde(default)]
+    cl_front: f64,
+    #[serde(default)]
+    cl_rear: f64,
+    #[serde(default)]
+    area_m2: f64,
+    #[serde(default)]
+    rho_kgpm3: f64,
+    #[serde(default)]
+    rolling: f64,
+    #[serde(default)]
+    linear_drag_per_s: f64,
+    drive_front: f64,
+    brake_front: f64,
+    #[serde(default = "on")]
+    front_force_yaw: bool,
+    #[serde(default)]
+    combined_slip: bool,
+    power_max_w: Option<f64>,
+    drive_force_max_n: Option<f64>,
+    brake_force_max_n: Option<f64>,
+    a_min_mps2: f64,
+    a_max_mps2: f64,
+    delta_max_rad: f64,
+    delta_rate_max_radps: Option<f64>,
+    a_rate_max_mps3: Option<f64>,
+    #[serde(default)]
+    actuator_lag_s: f64,
+    #[serde(default)]
+    actuator_delay_s: f64,
+    blend_speed_low_mps: f64,
+    blend_speed_high_mps: f64,
+    tyre_front: TyreFile,
+    tyre_rear: TyreFile,
+}
+
+const fn on() -> bool {
+    true
+}
+
+/// The car files that ship with the product.
+const BUILTIN: [(&str, &str); 4] = [
+    ("barc", include_str!("../../../cars/barc.toml")),
+    ("iac", include_str!("../../../cars/iac.toml")),
+    ("kart", include_str!("../../../cars/kart.toml")),
+    ("mini", include_str!("../../../cars/mini.toml")),
+];
+
+impl CarParams {
+    /// Names that [`CarParams::builtin`] knows.
+    #[must_use]
+    pub fn builtin_names() -> [&'static str; 4] {
+        BUILTIN.map(|(name, _)| name)
+    }
+
+    /// Reads a car that ships with the product: "barc", "iac", "kart" or "mini".
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownCar`] for any other name.
+    pub fn builtin(name: &str) -> Result<Self, ModelError> {
+        match BUILTIN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => Self::from_toml(text),
+            None => Err(ModelError::UnknownCar {
+                found: name.to_owned(),
+                known: Self::builtin_names().join(", "),
+            }),
+        }
+    }
+
+    /// Reads a car file from its text.
+    ///
+    /// # Errors
+    /// [`ModelError::CarSyntax`] for text that is no car file (unknown key, wrong type, missing
+    /// key; the message shows the line), [`ModelError::CarInvalid`] with every value out of range.
+    pub fn from_toml(text: &str) -> Result<Self, ModelError> {
+        let file: CarFile = toml::from_str(text).map_err(ModelError::CarSyntax)?;
+        let (car, mut problems) = file.into_params();
+        problems.extend(car.validate());
+        for problem in &mut problems {
+            problem.line = line_of_key(text, problem.section, problem.key);
+        }
+        if problems.is_empty() { Ok(car) } else { Err(ModelError::CarInvalid(problems)) }
+    }
+}
+
+impl CarFile {
+    /// The car, and what is wrong with the way the file gives its friction.
+    fn into_params(self) -> (CarParams, Vec<super::ParamProblem>) {
+        let weight = self.mass_kg * GRAVITY;
+        let wheelbase = self.l_f_m + self.l_r_m;
+        let mut problems = Vec::new();
+        let mut tyre = |file: &TyreFile, section, load: f64| {
+            let mu = match (file.mu, file.peak_n) {
+                (Some(mu), None) => mu,
+                (None, Some(peak)) => peak / load,
+                (found, _) => {
+                    problems.push(super::ParamProblem {
+                        section,
+                        key: "mu",
+                        found: if found.is_some() { "mu and peak_n" } else { "neither" }.to_owned(),
+                        expected: "either mu or peak_n",
+                        line: None,
+                    });
+                    1.0
+                }
+            };
+            Tyre { b: file.b, c: file.c, mu }
+        };
+        let front_load = weight * (self.l_r_m / wheelbase);
+        let rear_load = weight * (self.l_f_m / wheelbase);
+        let tyre_front = tyre(&self.tyre_front, "tyre_front", front_load);
+        let tyre_rear = tyre(&self.tyre_rear, "tyre_rear", rear_load);
+        let car = CarParams {
+            name: self.name,
+            mass: self.mass_kg,
+            inertia_z: self.inertia_z_kgm2,
+            l_f: self.l_f_m,
+            l_r: self.l_r_m,
+            tyre_front,
+            tyre_rear,
+            h_cg: self.h_cg_m,
+            cd: self.cd,
+            cl_front: self.cl_front,
+            cl_rear: self.cl_rear,
+            area: self.area_m2,
+            rho: self.rho_kgpm3,
+            rolling: self.rolling,
+            linear_drag: self.linear_drag_per_s,
+            drive_front: self.drive_front,
+            brake_front: self.brake_front,
+            front_force_yaw: self.front_force_yaw,
+            combined_slip: self.combined_slip,
+            power_max: self.power_max_w,
+            drive_force_max: self.drive_force_max_n,
+            brake_force_max: self.brake_force_max_n,
+            length: self.length_m,
+            width: self.width_m,
+            a_min: self.a_min_mps2,
+            a_max: self.a_max_mps2,
+            delta_max: self.delta_max_rad,
+            delta_rate_max: self.delta_rate_max_radps,
+            a_rate_max: self.a_rate_max_mps3,
+            actuator_lag: self.actuator_lag_s,
+            actuator_delay: self.actuator_delay_s,
+            blend_speed_low: self.blend_speed_low_mps,
+            blend_speed_high: self.blend_speed_high_mps,
+        };
+        (car, problems)
+    }
+}
+
+/// Line (from 1) on which a key of a section stands; the section "" is the top of the file.
+fn line_of_key(text: &str, section: &str, key: &str) -> Option<usize> {
+    let mut current = "";
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(head) = line.strip_prefix('[').and_then(|rest| rest.split(']').next()) {
+            current = head.trim();
+        } else if current == section
+            && line.split('=').next().is_some_and(|found| found.trim() == key)
+        {
+            return Some(index + 1);
+        }
+    }
+    None
+}

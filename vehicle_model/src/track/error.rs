@@ -1,0 +1,131 @@
+//! Everything that can be wrong with a track, each with the place a user has to look at.
+
+use std::fmt;
+
+/// A place on a track's centre line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Distance along the centre line [m].
+    pub s: f64,
+    /// Position [m].
+    pub x: f64,
+    /// Position [m].
+    pub y: f64,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "s = {:.3} m (x = {:.3}, y = {:.3})", self.s, self.x, self.y)
+    }
+}
+
+/// Why a track is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrackError {
+    /// The text of a file could not be read as numbers in the expected columns or keys.
+    #[error("line {line}, column {column}: {found}; expected {expected}")]
+    Syntax {
+        /// Line, from 1.
+        line: usize,
+        /// Column of the first character, from 1.
+        column: usize,
+        /// What stands there.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// Too little of the path is given.
+    #[error("{what}: found {found}, expected at least {expected}")]
+    TooFew {
+        /// Points or segments.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A number is outside what it may be.
+    #[error("{item}: {key} is {found}, expected {expected}")]
+    Value {
+        /// Which segment or point, and its line if it came from a file.
+        item: String,
+        /// Which of its numbers.
+        key: &'static str,
+        /// The number.
+        found: f64,
+        /// The allowed range.
+        expected: &'static str,
+    },
+    /// Two neighbouring points coincide.
+    #[error("{item} repeats the point before it at {place}; expected distinct points")]
+    Duplicate {
+        /// Which point, and its line if it came from a file.
+        item: String,
+        /// Where.
+        place: Place,
+    },
+    /// The path does not come back to where it began.
+    #[error(
+        "open track: the end at {end} misses the start by {gap:.3e} m and {turn:.3e} rad; \
+         expected a closed path (at most {tolerance:e})"
+    )]
+    Open {
+        /// End of the path.
+        end: Place,
+        /// Distance between end and start [m].
+        gap: f64,
+        /// Angle between the tangents at end and start, in (-pi, pi] [rad].
+        turn: f64,
+        /// Largest allowed distance [m] and angle [rad].
+        tolerance: f64,
+    },
+    /// The last point is far from the first.
+    #[error(
+        "open track: the last point at {end} is {gap:.3} m from the first, \
+         expected at most {limit:.3} m (three times the largest spacing of the other points)"
+    )]
+    Gap {
+        /// The last point.
+        end: Place,
+        /// Its distance from the first [m].
+        gap: f64,
+        /// Largest allowed distance [m].
+        limit: f64,
+    },
+    /// The centre line crosses itself.
+    #[error("the centre line crosses itself: {first} meets {second}")]
+    Crossing {
+        /// First passage.
+        first: Place,
+        /// Second passage.
+        second: Place,
+    },
+    /// Points too far apart for the bend between them.
+    #[error(
+        "too coarse at {place}: the path turns {turn:.3} rad between neighbouring points \
+         {spacing:.3} m apart, expected at most {limit:.3} rad"
+    )]
+    TooCoarse {
+        /// Where.
+        place: Place,
+        /// Turn between neighbouring chords [rad].
+        turn: f64,
+        /// Distance of the points [m].
+        spacing: f64,
+        /// Largest allowed turn [rad].
+        limit: f64,
+    },
+    /// The inner edge lies beyond the centre of the bend, where s is not defined.
+    #[error(
+        "too narrow a bend at {place}: its radius is {radius:.3} m, expected more than the \
+         inner width of {width:.3} m"
+    )]
+    TooTight {
+        /// Where.
+        place: Place,
+        /// Radius of the centre line [m].
+        radius: f64,
+        /// Width to the inner edge [m].
+        width: f64,
+    },
+}

@@ -1,0 +1,84 @@
+//! Readers of track files. They take text and give a track or everything wrong with the text.
+
+mod segments_toml;
+mod table;
+
+use super::{Track, TrackError};
+
+/// File formats, for messages.
+const FORMATS: &str = "a track: segments in TOML, a comma-separated centre line \
+     (x_m, y_m, w_tr_right_m, w_tr_left_m) or a TTL table of 17 columns";
+
+impl Track {
+    /// The track of our own format: straights and arcs in TOML.
+    ///
+    /// ```toml
+    /// name = "oval"
+    /// width_left_m = 4.5          # distances to the edges, where a segment has no own ones
+    /// width_right_m = 4.5
+    ///
+    /// [[segment]]
+    /// length_m = 100.0            # a straight
+    ///
+    /// [[segment]]
+    /// radius_m = 20.0             # positive to the left
+    /// angle_deg = 180.0           # or length_m
+    /// width_left_m = 6.0          # along this segment; width_left_end_m makes it a taper
+    ///
+    /// [[segment]]
+    /// length_m = 100.0
+    ///
+    /// [[segment]]
+    /// radius_m = 20.0
+    /// angle_deg = 180.0
+    /// ```
+    ///
+    /// # Errors
+    /// The first of everything wrong with the text or the track it describes.
+    pub fn from_toml(text: &str) -> Result<Self, TrackError> {
+        segments_toml::read(text).map_err(first)
+    }
+
+    /// The track of a file's text, in any of the formats known, told apart by their content:
+    /// - segments in TOML, see [`Track::from_toml`];
+    /// - the centre lines of the TUMFTM race track database and of F1TENTH: columns x, y, right
+    ///   width, left width, separated by commas, after a `#` line that names them;
+    /// - the 17-column TTL tables of the paper's authors, whose edge points give the widths.
+    ///
+    /// The file's name gives the track its name where the text does not.
+    ///
+    /// # Errors
+    /// The first of everything wrong with the text or the track it describes.
+    pub fn parse(file_name: &str, text: &str) -> Result<Self, TrackError> {
+        read(file_name, text).map_err(first)
+    }
+
+    /// Everything that is wrong with a track file; nothing if [`Track::parse`] takes it.
+    #[must_use]
+    pub fn check(file_name: &str, text: &str) -> Vec<TrackError> {
+        read(file_name, text).err().unwrap_or_default()
+    }
+}
+
+/// The track, or everything wrong with the text.
+fn read(file_name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
+    let looks_like_toml = |line: &str| {
+        let line = line.trim_start();
+        !line.starts_with('#') && (line.starts_with('[') || line.contains('='))
+    };
+    if text.lines().any(looks_like_toml) {
+        return segments_toml::read(text);
+    }
+    let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
+    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
+    table::read(stem, text)
+}
+
+/// The first of the problems, which are never none.
+pub(super) fn first(problems: Vec<TrackError>) -> TrackError {
+    problems.into_iter().next().unwrap_or(TrackError::TooFew {
+        what: "segments",
+        found: 0,
+        expected: 2,
+    })
+}

@@ -1,0 +1,159 @@
+//! Race tracks: the closed path tau of length L that the paper's states are measured along.
+//!
+//! A track is a centre line with its curvature kappa(s), and the distances to its left and
+//! right edge. It is made once, checked then, and never changes. Progress s may be asked for
+//! in any lap; it is wrapped to [0, L).
+
+mod arc;
+mod builtin;
+mod crossing;
+mod error;
+mod fingerprint;
+mod frenet;
+mod import;
+mod path;
+mod points;
+mod segment;
+mod spline;
+mod widths;
+
+pub use error::{Place, TrackError};
+pub use frenet::{Projection, wrap_angle};
+pub use points::TrackPoint;
+pub use segment::Segment;
+
+use path::Path;
+use widths::Widths;
+
+/// A closed race track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    name: String,
+    path: Path,
+    widths: Widths,
+    length: f64,
+    max_abs_kappa: f64,
+    min_width: f64,
+    max_width: f64,
+    fingerprint: u64,
+}
+
+impl Track {
+    /// A track of straights and arcs that starts at (0, 0) along +x. `width_left` and
+    /// `width_right` [m] hold where a segment has no widths of its own.
+    ///
+    /// # Errors
+    /// The first of everything that is wrong with the segments.
+    pub fn from_segments(
+        name: &str,
+        segments: &[Segment],
+        width_left: f64,
+        width_right: f64,
+    ) -> Result<Self, TrackError> {
+        let item = |i: usize| format!("segment {}", i + 1);
+        segment::build(name, segments, width_left, width_right, &item).map_err(import::first)
+    }
+
+    /// A track through points of its centre line in the order of driving; the list is open (the
+    /// last point is one step before the first) or repeats the first point at its end.
+    ///
+    /// # Errors
+    /// The first of everything that is wrong with the points.
+    pub fn from_points(name: &str, points: &[TrackPoint]) -> Result<Self, TrackError> {
+        let item = |i: usize| format!("point {}", i + 1);
+        points::build(name, points, &item).map_err(import::first)
+    }
+
+    /// The track of parts that have been checked.
+    fn assemble(name: &str, path: Path, widths: Widths, fingerprint: u64) -> Self {
+        let last = path.len() - 1;
+        let length = path.start_of(last) + path.length_of(last);
+        let max_abs_kappa =
+            (0..path.len()).map(|i| path.kappa_in(i, 0.0).abs()).fold(0.0, f64::max);
+        let (min_width, max_width) = widths.range();
+        let name = name.to_owned();
+        Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
+    }
+
+    /// Name of the track.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Length L of the centre line [m].
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Progress s of any lap brought into [0, L) [m]; 0 for what is no finite number.
+    #[must_use]
+    pub fn wrap(&self, s: f64) -> f64 {
+        if (0.0..self.length).contains(&s) {
+            return s;
+        }
+        // The remainder of a tiny negative number rounds to L itself.
+        let wrapped = s.rem_euclid(self.length);
+        if wrapped < self.length { wrapped } else { 0.0 }
+    }
+
+    /// Curvature of the centre line at s, positive to the left [1/m]. On a track of segments it
+    /// is constant on each [s_i, s_i+1).
+    #[must_use]
+    pub fn kappa(&self, s: f64) -> f64 {
+        self.path.kappa(self.wrap(s))
+    }
+
+    /// Largest |kappa| of the centre line [1/m].
+    #[must_use]
+    pub fn max_abs_kappa(&self) -> f64 {
+        self.max_abs_kappa
+    }
+
+    /// Distance from the centre line to the left edge at s [m].
+    #[must_use]
+    pub fn width_left(&self, s: f64) -> f64 {
+        self.widths.at(self.wrap(s)).0
+    }
+
+    /// Distance from the centre line to the right edge at s [m].
+    #[must_use]
+    pub fn width_right(&self, s: f64) -> f64 {
+        self.widths.at(self.wrap(s)).1
+    }
+
+    /// Width from edge to edge at the narrowest place [m].
+    #[must_use]
+    pub fn narrowest(&self) -> f64 {
+        self.min_width
+    }
+
+    /// Point of the centre line at s [m].
+    #[must_use]
+    pub fn position(&self, s: f64) -> (f64, f64) {
+        let (x, y, _) = self.pose(s);
+        (x, y)
+    }
+
+    /// Heading of the centre line at s, zero along +x, continuous along the lap from s = 0 to L:
+    /// at the end of a counter-clockwise lap it has grown by 2 pi [rad].
+    #[must_use]
+    pub fn heading(&self, s: f64) -> f64 {
+        self.pose(s).2
+    }
+
+    /// A number that tells this track's geometry and widths from any other's: a hash of the
+    /// segments or points it was made of, the same on every machine. The name has no part in it.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// Pose (x, y, psi) of the centre line at s.
+    fn pose(&self, s: f64) -> (f64, f64, f64) {
+        let s = self.wrap(s);
+        let i = self.path.index_of(s);
+        self.path.pose_in(i, s - self.path.start_of(i))
+    }
+}

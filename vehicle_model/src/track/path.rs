@@ -1,0 +1,88 @@
+//! The centre line as a chain of pieces, whatever each of them is.
+
+use super::arc::Arc;
+use super::spline::Spline;
+
+/// The centre line of one lap.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Path {
+    /// Straights and arcs, exact.
+    Arcs(Vec<Arc>),
+    /// A closed spline whose parameter is its arc length.
+    Spline(Spline),
+}
+
+impl Path {
+    /// Number of pieces.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Arcs(arcs) => arcs.len(),
+            Self::Spline(spline) => spline.len(),
+        }
+    }
+
+    /// Piece that holds s in [0, L); a boundary belongs to the piece that begins there.
+    pub(super) fn index_of(&self, s: f64) -> usize {
+        match self {
+            Self::Arcs(arcs) => arcs.partition_point(|arc| arc.s <= s).saturating_sub(1),
+            Self::Spline(spline) => spline.index_of(s),
+        }
+    }
+
+    /// Distance along the track where piece i begins [m].
+    pub(super) fn start_of(&self, i: usize) -> f64 {
+        match self {
+            Self::Arcs(arcs) => arcs[i].s,
+            Self::Spline(spline) => spline.start_of(i),
+        }
+    }
+
+    /// Length of piece i [m].
+    pub(super) fn length_of(&self, i: usize) -> f64 {
+        match self {
+            Self::Arcs(arcs) => arcs[i].length,
+            Self::Spline(spline) => spline.length_of(i),
+        }
+    }
+
+    /// Curvature at s in [0, L) [1/m].
+    pub(super) fn kappa(&self, s: f64) -> f64 {
+        let i = self.index_of(s);
+        self.kappa_in(i, s - self.start_of(i))
+    }
+
+    /// Curvature at distance u in piece i [1/m].
+    pub(super) fn kappa_in(&self, i: usize, u: f64) -> f64 {
+        match self {
+            Self::Arcs(arcs) => arcs[i].kappa,
+            Self::Spline(spline) => spline.kappa_in(i, u),
+        }
+    }
+
+    /// Pose (x, y, psi) at distance u in piece i.
+    pub(super) fn pose_in(&self, i: usize, u: f64) -> (f64, f64, f64) {
+        match self {
+            Self::Arcs(arcs) => arcs[i].pose(u),
+            Self::Spline(spline) => spline.pose_in(i, u),
+        }
+    }
+
+    /// Point (x, y) at distance u in piece i.
+    pub(super) fn point_in(&self, i: usize, u: f64) -> (f64, f64) {
+        match self {
+            Self::Arcs(arcs) => {
+                let (x, y, _) = arcs[i].pose(u);
+                (x, y)
+            }
+            Self::Spline(spline) => spline.point_in(i, u),
+        }
+    }
+
+    /// Distance in [0, length] of the point of piece i nearest to (x, y).
+    pub(super) fn foot_in(&self, i: usize, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Arcs(arcs) => arcs[i].foot(x, y),
+            Self::Spline(spline) => spline.foot_in(i, x, y),
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! A track described by surveyed points of its centre line.
+//!
+//! A closed cubic spline over the chord lengths goes through the points. Its arc length is then
+//! measured, points at equal distances are taken from it, and a second closed spline goes
+//! through those: its parameter is the arc length.
+//!
+//! The spline interpolates: nothing is smoothed. Published centre lines and surveyed ones with
+//! noise far below their spacing squared times their curvature give a usable kappa as they are;
+//! a survey noisier than that is better smoothed by those who know its noise.
+
+use super::error::{Place, TrackError};
+use super::fingerprint::Fnv1a;
+use super::frenet::wrap_angle;
+use super::path::Path;
+use super::spline::Spline;
+use super::widths::{Span, Widths, too_tight};
+use super::{Track, crossing};
+
+/// Largest deviation of |r'(s)| from 1.
+const SPEED_TOLERANCE: f64 = 1e-6;
+/// Knots of the arc-length spline are taken this many times as dense as the points, then
+/// doubled until the tolerance is met, at most up to the second number.
+const DENSITY: (usize, usize) = (2, 32);
+/// Fewest points of a track.
+const FEWEST: usize = 8;
+/// Points closer than this are the same point [m].
+const SAME: f64 = 1e-6;
+/// Largest turn from one chord to the next, just above that of a regular octagon [rad].
+const TURN: f64 = 0.8;
+/// The last point may be this many of the largest other spacings away from the first.
+const GAP_SPACINGS: f64 = 3.0;
+/// Nodes and weights of the five-point rule of Gauss and Legendre on [-1, 1].
+const GAUSS: [(f64, f64); 5] = [
+    (0.0, 128.0 / 225.0),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+];
+
+/// A point of the centre line with the distances to both edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackPoint {
+    /// Position [m].
+    pub x: f64,
+    /// Position [m].
+    pub y: f64,
+    /// Distance to the left edge [m].
+    pub width_left: f64,
+    /// Distance to the right edge [m].
+    pub width_right: f64,
+}
+
+/// Arc length of piece i from its beginning to u.
+fn arc_length(spline: &Spline, i: usize, u: f64) -> f64 {
+    GAUSS.iter().map(|(x, w)| w * spline.speed_in(i, 0.5 * u * (1.0 + x))).sum::<f64>() * 0.5 * u
+}
+
+/// Path and widths through distinct points.
+pub(super) fn fit(points: &[TrackPoint]) -> (Path, Widths) {
+    let n = points.len();
+    let xy: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
+    let mut knots = vec![0.0];
+    for i in 0..n {
+        let (a, b) = (xy[i], xy[(i + 1) % n]);
+        knots.push(knots[i] + (b.0 - a.0).hypot(b.1 - a.1));
+    }
+    let chordal = Spline::through(knots, &xy);
+    let mut s = vec![0.0];
+    for i in 0..n {
+        s.push(s[i] + arc_length(&chordal, i, chordal.length_of(i)));
+    }
+    let mut density = DENSITY.0;
+    let mut spline = equidistant(&chordal, &s, density * n);
+    while density < DENSITY.1 && speed_error(&spline) > SPEED_TOLERANCE {
+        density *= 2;
+        spline = equidistant(&chordal, &s, density * n);
+    }
+    let widths = |i: usize| (points[i % n].width_left, points[i % n].width_right);
+    let spans = (0..n).map(|i| Span::new(s[i], s[i + 1] - s[i], widths(i), widths(i + 1)));
+    (Path::Spline(spline), Widths::new(spans.collect()))
+}
+
+/// The closed spline through n points at equal distances along the curve, whose knots lie at
+/// the arc lengths s.
+fn equidistant(curve: &Spline, s: &[f64], n: usize) -> Spline {
+    let length = s[s.len() - 1];
+    let knots: Vec<f64> = (0..=n).map(|k| length * k as f64 / n as f64).collect();
+    let mut points = Vec::with_capacity(n);
+    let mut i = 0;
+    for &target in &knots[..n] {
+        while i + 2 < s.len() && s[i + 1] <= target {
+            i += 1;
+        }
+        let wanted = target - s[i];
+        let mut u = wanted / (s[i + 1] - s[i]) * curve.length_of(i);
+        for _ in 0..8 {
+            u -= (arc_length(curve, i, u) - wanted) / curve.speed_in(i, u);
+        }
+        let (x, y, _) = curve.pose_in(i, u);
+        points.push((x, y));
+    }
+    Spline::through(knots, &points)
+}
+
+/// Largest deviation of |r'(s)| from 1, at the knots, middles and quarters.
+fn speed_error(spline: &Spline) -> f64 {
+    let at = |i: usize, part: f64| (spline.speed_in(i, part * spline.length_of(i)) - 1.0).abs();
+    (0..spline.len())
+        .flat_map(|i| [at(i, 0.0), at(i, 0.25), at(i, 0.5), at(i, 0.75)])
+        .fold(0.0, f64::max)
+}
+
+/// The track through the points, or everything wrong with them. `item` names point i.
+pub(super) fn build(
+    name: &str,
+    points: &[TrackPoint],
+    item: &dyn Fn(usize) -> String,
+) -> Result<Track, Vec<TrackError>> {
+    // A list that repeats its first point at the end means the same track.
+    let points = match points {
+        [first, .., last] if (last.x - first.x).hypot(last.y - first.y) < SAME => {
+            &points[..points.len() - 1]
+        }
+        _ => points,
+    };
+    let mut problems = bad_numbers(points, item);
+    if points.len() < FEWEST {
+        let found = points.len();
+        problems.push(TrackError::TooFew { what: "points", found, expected: FEWEST });
+    }
+    if problems.is_empty() {
+        problems = bad_shape(points, item);
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let (path, widths) = fit(points);
+    problems.extend(tight_bends(&path, &widths));
+    let last = path.len() - 1;
+    problems.extend(crossing::find(
+        &path,
+        path.start_of(last) + path.length_of(last),
+        widths.range().1,
+    ));
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let hash = points
+        .iter()
+        .fold(Fnv1a::new(), |hash, p| hash.with(&[p.x, p.y, p.width_left, p.width_right]));
+    Ok(Track::assemble(name, path, widths, hash.finish()))
+}
+
+/// Numbers that are not finite or not positive where they must be.
+fn bad_numbers(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<TrackError> {
+    let mut problems = Vec::new();
+    for (i, p) in points.iter().enumerate() {
+        for (key, found, ok, expected) in [
+            ("x", p.x, true, "a finite number"),
+            ("y", p.y, true, "a finite number"),
+            ("width_left", p.width_left, p.width_left > 0.0, "a width above 0 m"),
+            ("width_right", p.width_right, p.width_right > 0.0, "a width above 0 m"),
+        ] {
+            if !(found.is_finite() && ok) {
+                problems.push(TrackError::Value { item: item(i), key, found, expected });
+            }
+        }
+    }
+    problems
+}
+
+/// Points that coincide, that are too far apart for their bend, or that do not close.
+fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<TrackError> {
+    let n = points.len();
+    let chord = |i: usize| {
+        let (a, b) = (&points[i % n], &points[(i + 1) % n]);
+        (b.x - a.x, b.y - a.y)
+    };
+    let spacing = |i: usize| chord(i).0.hypot(chord(i).1);
+    let mut s = 0.0;
+    let mut places = Vec::with_capacity(n);
+    for (i, p) in points.iter().enumerate() {
+        places.push(Place { s, x: p.x, y: p.y });
+        s += spacing(i);
+    }
+    let duplicates: Vec<TrackError> = (1..n)
+        .filter(|&i| spacing(i - 1) < SAME)
+        .map(|i| TrackError::Duplicate { item: item(i), place: places[i] })
+        .collect();
+    if !duplicates.is_empty() {
+        return duplicates;
+    }
+    let mut problems = Vec::new();
+    let limit = GAP_SPACINGS * (0..n - 1).map(spacing).fold(0.0, f64::max);
+    let closed = spacing(n - 1) <= limit;
+    if !closed {
+        problems.push(TrackError::Gap { end: places[n - 1], gap: spacing(n - 1), limit });
+    }
+    for (i, &place) in places.iter().enumerate() {
+        let (before, after) = (chord(i + n - 1), chord(i));
+        let turn = wrap_angle(after.1.atan2(after.0) - before.1.atan2(before.0)).abs();
+        // The ends of an open list say nothing about its points.
+        if turn > TURN && (closed || (1..n - 1).contains(&i)) {
+            let spacing = spacing((i + n - 1) % n).max(spacing(i));
+            problems.push(TrackError::TooCoarse { place, turn, spacing, limit: TURN });
+        }
+    }
+    problems
+}
+
+/// The tightest place of each stretch whose radius is below its inner width.
+fn tight_bends(path: &Path, widths: &Widths) -> Vec<TrackError> {
+    let mut problems: Vec<TrackError> = Vec::new();
+    let mut last = None;
+    for i in 0..path.len() {
+        let s = path.start_of(i);
+        let (x, y, _) = path.pose_in(i, 0.0);
+        let Some(found) = too_tight(Place { s, x, y }, path.kappa_in(i, 0.0), widths.at(s)) else {
+            continue;
+        };
+        match (problems.last_mut(), &found) {
+            (
+                Some(TrackError::TooTight { radius: least, .. }),
+                TrackError::TooTight { radius, .. },
+            ) if i > 0 && last == Some(i - 1) => {
+                if radius < least
+                    && let Some(worst) = problems.last_mut()
+                {
+                    *worst = found;
+                }
+            }
+            _ => problems.push(found),
+        }
+        last = Some(i);
+    }
+    problems
+}
