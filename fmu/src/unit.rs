@@ -49,5 +49,9 @@ pub const KG: Unit = unit("kg", 1, 0, 0, 0);
 pub const KG_M2: Unit = unit("kg.m2", 1, 2, 0, 0);
 /// Newton.
 pub const N: Unit = unit("N", 1, 1, -2, 0);
-/// Newton second squared per square metre: force per squared speed.
-pub const N_S2_PER_M2: Unit = unit("N.s2/m2", 1, -1, 0, 0);
+/// Square metre.
+pub const M2: Unit = unit("m2", 0, 2, 0, 0);
+/// Kilogram per cubic metre.
+pub const KG_PER_M3: Unit = unit("kg/m3", 1, -3, 0, 0);
+/// Watt.
+pub const W: Unit = unit("W", 1, 2, -3, 0);
