@@ -1,6 +1,7 @@
 //! What can go wrong while a car is built.
 
 use crate::params::ParamProblem;
+use crate::state::State;
 
 /// Why a car or plant could not be built.
 #[derive(Debug, thiserror::Error)]
@@ -19,6 +20,12 @@ pub enum ModelError {
     /// Values out of range, all of them.
     #[error("car file: {}", join(.0))]
     CarInvalid(Vec<ParamProblem>),
+    /// Values of a simulated car out of range, all of them.
+    #[error("simulated car: {}", join(.0))]
+    PlantInvalid(Vec<ParamProblem>),
+    /// A state that should start a simulation holds NaN or infinity.
+    #[error("initial state: found {0:?}, expected finite numbers")]
+    NotFinite(State),
 }
 
 fn join(problems: &[ParamProblem]) -> String {

@@ -43,6 +43,7 @@ impl Tyre {
 /// Built from a car file with [`CarParams::from_toml`] or [`CarParams::builtin`]. Fields may be
 /// changed afterwards; [`CarParams::validate`] tells whether they still make sense.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CarParams {
     /// Name shown in reports; no part of the fingerprint.
     pub name: String,

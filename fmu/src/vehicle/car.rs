@@ -47,36 +47,101 @@ const ROWS: &[Row] = &[
     number!("inertia_z", unit::KG_M2, "Yaw inertia", NotNegative, inertia_z),
     number!("l_f", unit::M, "Centre of gravity to front axle", NotNegative, l_f),
     number!("l_r", unit::M, "Centre of gravity to rear axle", NotNegative, l_r),
-    number!("h_cg", unit::M, "Height of the centre of gravity; 0: no load transfer", NotNegative, h_cg),
+    number!(
+        "h_cg",
+        unit::M,
+        "Height of the centre of gravity; 0: no load transfer",
+        NotNegative,
+        h_cg
+    ),
     number!("length", unit::M, "Body length", NotNegative, length),
     number!("width", unit::M, "Body width", NotNegative, width),
     number!("tyre_front.b", unit::ONE, "Front tyre, stiffness factor B", NotNegative, tyre_front.b),
     number!("tyre_front.c", unit::ONE, "Front tyre, shape factor C", NotNegative, tyre_front.c),
-    number!("tyre_front.mu", unit::ONE, "Front tyre, peak friction coefficient", NotNegative, tyre_front.mu),
+    number!(
+        "tyre_front.mu",
+        unit::ONE,
+        "Front tyre, peak friction coefficient",
+        NotNegative,
+        tyre_front.mu
+    ),
     number!("tyre_rear.b", unit::ONE, "Rear tyre, stiffness factor B", NotNegative, tyre_rear.b),
     number!("tyre_rear.c", unit::ONE, "Rear tyre, shape factor C", NotNegative, tyre_rear.c),
-    number!("tyre_rear.mu", unit::ONE, "Rear tyre, peak friction coefficient", NotNegative, tyre_rear.mu),
+    number!(
+        "tyre_rear.mu",
+        unit::ONE,
+        "Rear tyre, peak friction coefficient",
+        NotNegative,
+        tyre_rear.mu
+    ),
     number!("cd", unit::ONE, "Drag coefficient; 0: off", NotNegative, cd),
-    number!("cl_front", unit::ONE, "Downforce coefficient, front axle; 0: off", NotNegative, cl_front),
+    number!(
+        "cl_front",
+        unit::ONE,
+        "Downforce coefficient, front axle; 0: off",
+        NotNegative,
+        cl_front
+    ),
     number!("cl_rear", unit::ONE, "Downforce coefficient, rear axle; 0: off", NotNegative, cl_rear),
     number!("area", unit::M2, "Reference area of drag and downforce", NotNegative, area),
     number!("rho", unit::KG_PER_M3, "Density of air", NotNegative, rho),
     number!("rolling", unit::ONE, "Rolling resistance coefficient; 0: off", Share, rolling),
     number!("linear_drag", unit::PER_S, "Deceleration per speed; 0: off", NotNegative, linear_drag),
-    number!("drive_front", unit::ONE, "Share of driving force on the front axle", Share, drive_front),
-    number!("brake_front", unit::ONE, "Share of braking force on the front axle", Share, brake_front),
+    number!(
+        "drive_front",
+        unit::ONE,
+        "Share of driving force on the front axle",
+        Share,
+        drive_front
+    ),
+    number!(
+        "brake_front",
+        unit::ONE,
+        "Share of braking force on the front axle",
+        Share,
+        brake_front
+    ),
     limit!("power_max", unit::W, "Limit of driving power; 0: none", power_max),
     limit!("drive_force_max", unit::N, "Limit of driving force; 0: none", drive_force_max),
     limit!("brake_force_max", unit::N, "Limit of braking force; 0: none", brake_force_max),
     number!("a_min", unit::M_PER_S2, "Strongest braking command, negative", Any, a_min),
     number!("a_max", unit::M_PER_S2, "Strongest driving command", NotNegative, a_max),
     number!("delta_max", unit::RAD, "Steering stop on each side", NotNegative, delta_max),
-    limit!("delta_rate_max", unit::RAD_PER_S, "Limit of the steering rate; 0: none", delta_rate_max),
+    limit!(
+        "delta_rate_max",
+        unit::RAD_PER_S,
+        "Limit of the steering rate; 0: none",
+        delta_rate_max
+    ),
     limit!("a_rate_max", unit::M_PER_S3, "Limit of the rate of acceleration; 0: none", a_rate_max),
-    number!("actuator_lag", unit::S, "First-order time constant of the actuators; 0: off", NotNegative, actuator_lag),
-    number!("actuator_delay", unit::S, "Transport delay of the inputs; 0: off", NotNegative, actuator_delay),
-    number!("blend_speed_low", unit::M_PER_S, "At and below: kinematic lateral dynamics", NotNegative, blend_speed_low),
-    number!("blend_speed_high", unit::M_PER_S, "At and above: tyre model alone", NotNegative, blend_speed_high),
+    number!(
+        "actuator_lag",
+        unit::S,
+        "First-order time constant of the actuators; 0: off",
+        NotNegative,
+        actuator_lag
+    ),
+    number!(
+        "actuator_delay",
+        unit::S,
+        "Transport delay of the inputs; 0: off",
+        NotNegative,
+        actuator_delay
+    ),
+    number!(
+        "blend_speed_low",
+        unit::M_PER_S,
+        "At and below: kinematic lateral dynamics",
+        NotNegative,
+        blend_speed_low
+    ),
+    number!(
+        "blend_speed_high",
+        unit::M_PER_S,
+        "At and above: tyre model alone",
+        NotNegative,
+        blend_speed_high
+    ),
 ];
 
 /// Where the car's parameters are in the table.
@@ -92,7 +157,8 @@ impl CarSlots {
     pub(crate) fn new(table: &mut Table, start: Option<&CarParams>) -> Self {
         let numbers = ROWS.iter().map(|(name, unit, text, range, get, _)| {
             let name = format!("car.{name}");
-            let variable = Variable::real(&name, Role::Fixed, *unit, text).start(start.map_or(0.0, get));
+            let variable =
+                Variable::real(&name, Role::Fixed, *unit, text).start(start.map_or(0.0, get));
             table.add_real(match range {
                 Range::NotNegative => variable.at_least(0.0),
                 Range::Share => variable.range(0.0, 1.0),

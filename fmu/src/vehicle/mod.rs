@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use vehicle_model::{GripChange, Input, Plant, PlantParams, SensorNoise, State};
 
 use crate::bytes::{Reader, Writer};
-use crate::description::{Description, Resource, Terminal};
+use crate::description::{Description, Terminal};
 use crate::files;
 use crate::model::{Io, Model, Step};
 use crate::status::Fault;
@@ -46,10 +46,7 @@ fn description() -> &'static (Description, Slots) {
                 Terminal {
                     name: "command",
                     description: "What the controller commands",
-                    members: vec![
-                        ("a", "cmd.a".to_owned()),
-                        ("delta", "cmd.delta".to_owned()),
-                    ],
+                    members: vec![("a", "cmd.a".to_owned()), ("delta", "cmd.delta".to_owned())],
                 },
                 Terminal {
                     name: "state",
@@ -130,8 +127,7 @@ impl VehicleFmu {
         let (applied, tyres) = (self.plant.applied(), self.plant.tyres());
         values.set_real(slots.applied[0], applied.a);
         values.set_real(slots.applied[1], applied.delta);
-        let axles =
-            [tyres.long, tyres.lateral, tyres.vertical, tyres.slip, tyres.utilisation];
+        let axles = [tyres.long, tyres.lateral, tyres.vertical, tyres.slip, tyres.utilisation];
         for (pair, numbers) in slots.tyres.iter().zip(axles) {
             pair.iter().zip(numbers).for_each(|(slot, number)| values.set_real(*slot, number));
         }

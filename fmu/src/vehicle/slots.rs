@@ -67,8 +67,13 @@ impl Slots {
                     .range(limit(|c| c.a_min), limit(|c| c.a_max)),
             ),
             t.add_real(
-                Variable::real("cmd.delta", Role::Input, unit::RAD, "Commanded steering, left positive")
-                    .range(-limit(|c| c.delta_max), limit(|c| c.delta_max)),
+                Variable::real(
+                    "cmd.delta",
+                    Role::Input,
+                    unit::RAD,
+                    "Commanded steering, left positive",
+                )
+                .range(-limit(|c| c.delta_max), limit(|c| c.delta_max)),
             ),
         ];
         let track = t.add_text(Variable::text(
@@ -89,7 +94,8 @@ impl Slots {
                 .at_least(1e-6),
         );
         let seed = t.add_integer(
-            Variable::integer("param.seed", Role::Fixed, "Seed of all noise").range(0.0, 2147483647.0),
+            Variable::integer("param.seed", Role::Fixed, "Seed of all noise")
+                .range(0.0, 2147483647.0),
         );
         let mut state = |prefix: &str, role: Role, what: &str, n: usize| {
             let rows = STATE[..n].iter().map(|(name, unit, text)| {
@@ -125,8 +131,18 @@ impl Slots {
             grip("grip.rear", "Factor on the rear friction, may change while stepping"),
         ];
         let applied = [
-            t.real("applied.a", Role::Output, unit::M_PER_S2, "Acceleration that acts, after lag and delay"),
-            t.real("applied.delta", Role::Output, unit::RAD, "Steering that acts, after lag and delay"),
+            t.real(
+                "applied.a",
+                Role::Output,
+                unit::M_PER_S2,
+                "Acceleration that acts, after lag and delay",
+            ),
+            t.real(
+                "applied.delta",
+                Role::Output,
+                unit::RAD,
+                "Steering that acts, after lag and delay",
+            ),
         ];
         let mut axles = |name: &str, unit: unit::Unit, text: &str| {
             ["front", "rear"].map(|axle| {
@@ -142,9 +158,24 @@ impl Slots {
             axles("utilisation", unit::ONE, "Share of the peak force in use"),
         ];
         let way = [
-            t.real("vehicle.lap", Role::Discrete, unit::ONE, "Number of times the line was crossed"),
-            t.real("vehicle.progress", Role::Output, unit::M, "True way along the track since lap 0"),
-            t.real("vehicle.kappa", Role::Output, unit::RAD_PER_M, "Curvature of the centre line here"),
+            t.real(
+                "vehicle.lap",
+                Role::Discrete,
+                unit::ONE,
+                "Number of times the line was crossed",
+            ),
+            t.real(
+                "vehicle.progress",
+                Role::Output,
+                unit::M,
+                "True way along the track since lap 0",
+            ),
+            t.real(
+                "vehicle.kappa",
+                Role::Output,
+                unit::RAD_PER_M,
+                "Curvature of the centre line here",
+            ),
         ];
         Self {
             command,

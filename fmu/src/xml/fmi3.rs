@@ -15,7 +15,7 @@ pub(crate) fn model_description(d: &Description, token: &str) -> String {
             ("instantiationToken", token.to_owned()),
             ("description", d.description.to_owned()),
             ("version", d.version.to_owned()),
-            ("license", "MIT OR Apache-2.0".to_owned()),
+            ("license", env!("CARGO_PKG_LICENSE").to_owned()),
             ("generationTool", format!("fmu_core {}", env!("CARGO_PKG_VERSION"))),
             ("variableNamingConvention", "structured".to_owned()),
         ],

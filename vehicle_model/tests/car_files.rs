@@ -1,0 +1,108 @@
+//! Car files: what ships, and what a user may get wrong.
+
+#![allow(clippy::unwrap_used)]
+
+use vehicle_model::{CarParams, ModelError, params::GRAVITY};
+
+const BARC: &str = include_str!("../../cars/barc.toml");
+
+#[test]
+fn every_builtin_car_is_valid_and_differs() {
+    let mut seen = Vec::new();
+    for name in CarParams::builtin_names() {
+        let car = CarParams::builtin(name).unwrap();
+        assert_eq!(car.name, name);
+        assert_eq!(car.validate(), []);
+        assert!(!seen.contains(&car.fingerprint()));
+        seen.push(car.fingerprint());
+    }
+    let unknown = CarParams::builtin("tank").unwrap_err().to_string();
+    assert!(unknown.contains("tank") && unknown.contains("barc, iac, kart, mini"), "{unknown}");
+}
+
+#[test]
+fn fingerprint_sees_numbers_and_switches_but_not_the_name() {
+    let car = CarParams::builtin("barc").unwrap();
+    let renamed = CarParams { name: "other".into(), ..car.clone() };
+    assert_eq!(car.fingerprint(), renamed.fingerprint());
+    let others = [
+        car.clone().with_mu(0.901),
+        CarParams { combined_slip: true, ..car.clone() },
+        CarParams { front_force_yaw: false, ..car.clone() },
+        CarParams { a_rate_max: Some(40.0), ..car.clone() },
+        CarParams { power_max: Some(40.0), ..car.clone() },
+        car.clone().without_blend(),
+    ];
+    for other in &others {
+        assert_ne!(other.fingerprint(), car.fingerprint());
+    }
+}
+
+/// The value is part of the format of learned data: it may not move between versions or machines.
+#[test]
+fn fingerprint_is_fnv_1a_over_the_fields() {
+    let car = CarParams::builtin("barc").unwrap();
+    let none = f64::INFINITY;
+    let fields: [f64; 34] = [
+        2.2187, 0.02723, 0.13, 0.13, 5.0, 2.28, 0.9, 5.0, 2.28, 0.9, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, none, none, none, 0.37, 0.195, -2.0, 2.0, 0.436, none, none, 0.0, 0.0,
+        0.3, 0.8,
+    ];
+    let words = fields.map(f64::to_bits).into_iter().chain([1, 0]);
+    let hash = words.flat_map(u64::to_le_bytes).fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    assert_eq!(car.fingerprint(), hash);
+}
+
+#[test]
+fn friction_of_the_small_car_gives_its_peak_forces_back() {
+    let car = CarParams::builtin("mini").unwrap();
+    let front = 0.041 * GRAVITY * 0.033 / 0.062;
+    let rear = 0.041 * GRAVITY * 0.029 / 0.062;
+    assert!((car.tyre_front.mu * front - 0.192).abs() < 1e-15);
+    assert!((car.tyre_rear.mu * rear - 0.1737).abs() < 1e-15);
+    let [static_front, static_rear] = car.static_loads();
+    assert!((static_front - front).abs() < 1e-15 && (static_rear - rear).abs() < 1e-15);
+}
+
+#[test]
+fn all_bad_values_are_named_at_once_with_their_lines() {
+    let text = BARC
+        .replace("mass_kg = 2.2187", "mass_kg = -1.0")
+        .replace("delta_max_rad = 0.436", "delta_max_rad = 25.0")
+        .replacen("c = 2.28", "c = 0.0", 1);
+    let Err(ModelError::CarInvalid(problems)) = CarParams::from_toml(&text) else {
+        unreachable!("three values are out of range")
+    };
+    let line = |start: &str| text.lines().position(|line| line.starts_with(start)).unwrap() + 1;
+    let found: Vec<_> = problems.iter().map(|p| (p.section, p.key, p.line.unwrap())).collect();
+    assert_eq!(
+        found,
+        [
+            ("", "mass_kg", line("mass_kg")),
+            ("", "delta_max_rad", line("delta_max_rad")),
+            ("tyre_front", "c", line("c =")),
+        ]
+    );
+    let message = ModelError::CarInvalid(problems).to_string();
+    assert!(message.contains("mass_kg: found -1, expected a number above 0"), "{message}");
+}
+
+#[test]
+fn damaged_files_say_what_is_wrong() {
+    let cases = [
+        (BARC.replace("mass_kg", "mass"), "unknown field `mass`"),
+        (BARC.replace("l_f_m = 0.13", "l_f_m = \"far\""), "expected f64"),
+        (BARC.replace("width_m = 0.195", ""), "missing field `width_m`"),
+        (BARC.replacen("mu = 0.9 ", "peak_n = 9.8\nmu = 0.9 ", 1), "either mu or peak_n"),
+        (BARC.replacen("mu = 0.9 ", "# ", 1), "either mu or peak_n"),
+        (BARC.replace("blend_speed_low_mps = 0.3", "blend_speed_low_mps = 1.0"), "below blend"),
+        (BARC.replace("a_max_mps2 = 2.0", "a_max_mps2 = nan"), "a_max_mps2: found NaN"),
+        ("mass_kg = ".to_owned(), "line 1"),
+    ];
+    for (text, expected) in cases {
+        let message = CarParams::from_toml(&text).unwrap_err().to_string();
+        assert!(message.contains(expected), "expected '{expected}' in: {message}");
+    }
+}
