@@ -58,12 +58,13 @@ impl Gamma {
     pub fn affine(&self) -> Affine {
         let mut model = Affine::default();
         for (row, gamma) in self.0.iter().enumerate() {
-            for column in 0..3 {
-                model.a[(row, column)] = gamma[column];
-            }
-            model.b[(row, 0)] = gamma[3];
-            model.b[(row, 1)] = gamma[4];
-            model.c[row] = gamma[5];
+            let [v_x, v_y, omega_z, a, delta, one] = *gamma;
+            model.a[(row, 0)] = v_x;
+            model.a[(row, 1)] = v_y;
+            model.a[(row, 2)] = omega_z;
+            model.b[(row, 0)] = a;
+            model.b[(row, 1)] = delta;
+            model.c[row] = one;
         }
         model
     }

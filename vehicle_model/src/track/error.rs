@@ -93,7 +93,9 @@ pub enum TrackError {
         limit: f64,
     },
     /// The centre line crosses itself.
-    #[error("the centre line crosses itself: {first} meets {second}")]
+    #[error(
+        "the centre line crosses itself: {first} meets {second}; expected stretches that keep apart"
+    )]
     Crossing {
         /// First passage.
         first: Place,
@@ -128,4 +130,14 @@ pub enum TrackError {
         /// Width to the inner edge [m].
         width: f64,
     },
+}
+
+impl TrackError {
+    /// Line and column in the file, where the problem belongs to one; (0, 0) where not.
+    pub(super) fn line_and_column(&self) -> (usize, usize) {
+        match self {
+            Self::Syntax { line, column, .. } => (*line, *column),
+            _ => (0, 0),
+        }
+    }
 }

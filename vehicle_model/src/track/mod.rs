@@ -3,6 +3,17 @@
 //! A track is a centre line with its curvature kappa(s), and the distances to its left and
 //! right edge. It is made once, checked then, and never changes. Progress s may be asked for
 //! in any lap; it is wrapped to [0, L).
+//!
+//! ```
+//! use vehicle_model::{State, Track};
+//!
+//! let track = Track::builtin("l").ok_or("ships with the crate")?;
+//! let x = State { s: 3.0, e_y: 0.2, ..State::default() };
+//! let g = track.to_global(&x);
+//! let back = track.to_frenet(&g, Some(2.9)); // the s of the step before
+//! assert!((back.s - x.s).abs() < 1e-9 && (back.e_y - x.e_y).abs() < 1e-9);
+//! # Ok::<(), &str>(())
+//! ```
 
 mod arc;
 mod builtin;
@@ -23,10 +34,11 @@ pub use points::TrackPoint;
 pub use segment::Segment;
 
 use path::Path;
+use std::fmt;
 use widths::Widths;
 
 /// A closed race track.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Track {
     name: String,
     path: Path,
@@ -36,6 +48,16 @@ pub struct Track {
     min_width: f64,
     max_width: f64,
     fingerprint: u64,
+}
+
+impl fmt::Debug for Track {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Track")
+            .field("name", &self.name)
+            .field("length", &self.length)
+            .field("pieces", &self.path.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Track {

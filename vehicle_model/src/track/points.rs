@@ -21,12 +21,17 @@ const SPEED_TOLERANCE: f64 = 1e-6;
 /// Knots of the arc-length spline are taken this many times as dense as the points, then
 /// doubled until the tolerance is met, at most up to the second number.
 const DENSITY: (usize, usize) = (2, 32);
+/// No denser than this many knots, whatever the tolerance: a survey at every centimetre is taken
+/// as it is.
+const MOST_KNOTS: usize = 100_000;
 /// Fewest points of a track.
 const FEWEST: usize = 8;
 /// Points closer than this are the same point [m].
 const SAME: f64 = 1e-6;
 /// Largest turn from one chord to the next, just above that of a regular octagon [rad].
 const TURN: f64 = 0.8;
+/// Largest sagitta between neighbouring points, in distances to the nearer edge.
+const SAGITTA_WIDTHS: f64 = 0.5;
 /// The last point may be this many of the largest other spacings away from the first.
 const GAP_SPACINGS: f64 = 3.0;
 /// Nodes and weights of the five-point rule of Gauss and Legendre on [-1, 1].
@@ -72,7 +77,8 @@ pub(super) fn fit(points: &[TrackPoint]) -> (Path, Widths) {
     }
     let mut density = DENSITY.0;
     let mut spline = equidistant(&chordal, &s, density * n);
-    while density < DENSITY.1 && speed_error(&spline) > SPEED_TOLERANCE {
+    while density < DENSITY.1 && density * n < MOST_KNOTS && speed_error(&spline) > SPEED_TOLERANCE
+    {
         density *= 2;
         spline = equidistant(&chordal, &s, density * n);
     }
@@ -201,9 +207,13 @@ fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<Track
         let (before, after) = (chord(i + n - 1), chord(i));
         let turn = wrap_angle(after.1.atan2(after.0) - before.1.atan2(before.0)).abs();
         // The ends of an open list say nothing about its points.
-        if turn > TURN && (closed || (1..n - 1).contains(&i)) {
-            let spacing = spacing((i + n - 1) % n).max(spacing(i));
-            problems.push(TrackError::TooCoarse { place, turn, spacing, limit: TURN });
+        let spacing = spacing((i + n - 1) % n).max(spacing(i));
+        // Between two points the path is known to about a sagitta, spacing * turn / 8.
+        let width = points[i].width_left.min(points[i].width_right);
+        let limit = TURN.min(8.0 * SAGITTA_WIDTHS * width / spacing);
+        // The ends of an open list say nothing about its points.
+        if turn > limit && (closed || (1..n - 1).contains(&i)) {
+            problems.push(TrackError::TooCoarse { place, turn, spacing, limit });
         }
     }
     problems

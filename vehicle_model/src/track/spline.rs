@@ -11,6 +11,8 @@ use super::frenet::wrap_angle;
 /// Newton steps in the search for a foot; it converges quadratically from the middle of a
 /// piece much shorter than its radius, so this is never reached.
 const FOOT_STEPS: usize = 30;
+/// A Newton step this small ends the search [m]; the step is still taken.
+const FOOT_RESOLUTION: f64 = 1e-12;
 
 /// One interval of the spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,14 +124,17 @@ impl Spline {
             let (ex, ey) = (x - x_u, y - y_u);
             (ex * dx + ey * dy, ex * ddx + ey * ddy - dx * dx - dy * dy)
         };
-        let (mut low, mut high) = (0.0, self.length_of(i));
+        // Below this a step is rounding noise, which would throw the search out of its bracket.
+        let resolution = FOOT_RESOLUTION + 4.0 * f64::EPSILON * (x.abs() + y.abs());
+        let end = self.length_of(i);
+        let (mut low, mut high) = (0.0, end);
         if g(low).0 <= 0.0 {
             return low;
         }
         if g(high).0 >= 0.0 {
             return high;
         }
-        let mut u = 0.5 * high;
+        let mut u = 0.5 * end;
         for _ in 0..FOOT_STEPS {
             let (value, slope) = g(u);
             if value > 0.0 {
@@ -138,10 +143,10 @@ impl Spline {
                 high = u
             }
             let newton = u - value / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - u).abs() <= f64::EPSILON * self.length_of(i) {
-                return next;
+            if (newton - u).abs() <= resolution {
+                return newton.clamp(0.0, end);
             }
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             u = next;
         }
         u

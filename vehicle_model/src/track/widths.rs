@@ -7,6 +7,8 @@ use super::error::{Place, TrackError};
 pub(super) struct Span {
     /// Distance along the track at the beginning [m].
     pub s: f64,
+    /// Length [m].
+    pub length: f64,
     /// Widths (left, right) at the beginning [m].
     pub start: (f64, f64),
     /// Change of the widths (left, right) per metre.
@@ -17,7 +19,7 @@ impl Span {
     /// The stretch of this length [m] with (left, right) widths at its ends [m].
     pub(super) fn new(s: f64, length: f64, start: (f64, f64), end: (f64, f64)) -> Self {
         let slope = ((end.0 - start.0) / length, (end.1 - start.1) / length);
-        Self { s, start, slope }
+        Self { s, length, start, slope }
     }
 }
 
@@ -43,19 +45,21 @@ impl Widths {
 
     /// Least and largest distance from edge to edge [m].
     pub(super) fn range(&self) -> (f64, f64) {
-        let ends = self.spans.iter().zip(self.spans.iter().skip(1)).map(|(span, next)| {
-            span.start.0 + span.start.1 + (span.slope.0 + span.slope.1) * (next.s - span.s)
-        });
-        let starts = self.spans.iter().map(|span| span.start.0 + span.start.1);
-        ends.chain(starts).fold((f64::INFINITY, 0.0), |(least, largest), width| {
-            (width.min(least), width.max(largest))
-        })
+        self.spans
+            .iter()
+            .flat_map(|span| {
+                let width = span.start.0 + span.start.1;
+                [width, width + (span.slope.0 + span.slope.1) * span.length]
+            })
+            .fold((f64::INFINITY, 0.0), |(least, largest), width| {
+                (width.min(least), width.max(largest))
+            })
     }
 
     /// Distances (left, right) to the edges at s in [0, L) [m].
     pub(super) fn at(&self, s: f64) -> (f64, f64) {
         let i = self.spans.partition_point(|span| span.s <= s).saturating_sub(1);
-        let Span { s: s_i, start, slope } = self.spans[i];
+        let Span { s: s_i, start, slope, .. } = self.spans[i];
         (start.0 + slope.0 * (s - s_i), start.1 + slope.1 * (s - s_i))
     }
 }

@@ -1,100 +1,196 @@
-//! Our own track format: straights and arcs in TOML.
+//! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
 
 use crate::track::{Segment, Track, TrackError, segment};
-use serde::Deserialize;
 use std::f64::consts::PI;
+use std::ops::Range;
 use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
-/// A whole file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: String,
-    width_left_m: f64,
-    width_right_m: f64,
-    segment: Vec<Spanned<Entry>>,
-}
+/// Keys of the file.
+const KEYS: [&str; 4] = ["name", "width_left_m", "width_right_m", "segment"];
+/// Keys of a segment.
+const SEGMENT_KEYS: [&str; 7] = [
+    "length_m",
+    "radius_m",
+    "angle_deg",
+    "width_left_m",
+    "width_right_m",
+    "width_left_end_m",
+    "width_right_end_m",
+];
+/// What a length or width must be.
+const POSITIVE: &str = "a number above 0";
 
-/// One `[[segment]]`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Entry {
-    length_m: Option<f64>,
-    radius_m: Option<f64>,
-    angle_deg: Option<f64>,
-    width_left_m: Option<f64>,
-    width_right_m: Option<f64>,
-    width_left_end_m: Option<f64>,
-    width_right_end_m: Option<f64>,
-}
-
-/// Line and column, from 1, of a byte of the text.
-fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
-    let before = text.get(..byte).unwrap_or(text);
-    let line = before.matches('\n').count() + 1;
-    let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-    (line, column)
+/// The text with everything found wrong with it so far.
+struct Reader<'t> {
+    text: &'t str,
+    problems: Vec<TrackError>,
 }
 
 /// The track, or everything wrong with the text.
 pub(super) fn read(text: &str) -> Result<Track, Vec<TrackError>> {
-    let file: File = toml::from_str(text).map_err(|e| vec![syntax(text, &e)])?;
-    let mut problems = Vec::new();
-    let mut segments = Vec::new();
-    let mut lines = Vec::new();
-    for entry in &file.segment {
-        let (line, column) = line_and_column(text, entry.span().start);
-        lines.push(line);
-        let widths = (file.width_left_m, file.width_right_m);
-        match entry.get_ref().to_segment(widths) {
-            Ok(segment) => segments.push(segment),
-            Err(found) => problems.push(TrackError::Syntax {
-                line,
-                column,
-                found: found.to_owned(),
-                expected: "length_m alone, or radius_m with one of angle_deg and length_m".into(),
-            }),
+    let (file, errors) = DeTable::parse_recoverable(text);
+    let mut reader = Reader { text, problems: Vec::new() };
+    for error in errors {
+        let place = error.span().unwrap_or(0..0);
+        reader.wrong(place, error.message(), "a track of segments in TOML");
+    }
+    if !reader.problems.is_empty() {
+        return Err(reader.problems);
+    }
+    let table = file.get_ref();
+    reader.known_keys(table, &KEYS);
+    let name = reader.name(table);
+    let positive = |v: f64| v > 0.0;
+    let left = reader.number(table, "width_left_m", POSITIVE, positive);
+    let right = reader.number(table, "width_right_m", POSITIVE, positive);
+    for (key, found) in [("width_left_m", left), ("width_right_m", right)] {
+        if found.is_none() && !table.contains_key(key) {
+            reader.wrong(0..0, &format!("no {key}"), "the distance from centre line to edge [m]");
         }
     }
-    if !problems.is_empty() {
-        return Err(problems);
+    let widths = (left.unwrap_or(1.0), right.unwrap_or(1.0));
+    let (lines, segments): (Vec<usize>, Vec<Segment>) =
+        reader.segments(table, widths).into_iter().unzip();
+    if !reader.problems.is_empty() {
+        reader.problems.sort_by_key(TrackError::line_and_column);
+        return Err(reader.problems);
     }
     let item = |i: usize| match lines.get(i) {
         Some(line) => format!("line {line}: segment {}", i + 1),
         None => format!("segment {}", i + 1),
     };
-    segment::build(&file.name, &segments, file.width_left_m, file.width_right_m, &item)
+    segment::build(&name, &segments, widths.0, widths.1, &item)
 }
 
-/// What the TOML reader says, with its place.
-fn syntax(text: &str, error: &toml::de::Error) -> TrackError {
-    let (line, column) = line_and_column(text, error.span().map_or(0, |span| span.start));
-    TrackError::Syntax {
-        line,
-        column,
-        found: error.message().to_owned(),
-        expected: "a track of segments".into(),
+impl Reader<'_> {
+    /// Line and column, from 1, of a byte of the text.
+    fn line_and_column(&self, byte: usize) -> (usize, usize) {
+        let before = self.text.get(..byte).unwrap_or(self.text);
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        (line, column)
     }
-}
 
-impl Entry {
-    /// The segment, with the track's (left, right) widths where it has none of its own.
-    fn to_segment(&self, (left, right): (f64, f64)) -> Result<Segment, &'static str> {
-        let segment = match (self.radius_m, self.angle_deg, self.length_m) {
-            (None, None, Some(length)) => Segment::straight(length),
-            // Half and quarter turns are exact this way round.
-            (Some(radius), Some(angle), None) => Segment::arc(radius, angle / 180.0 * PI),
-            (Some(radius), None, Some(length)) => {
-                Segment { kappa: 1.0 / radius, ..Segment::straight(length) }
+    /// Notes a problem.
+    fn wrong(&mut self, place: Range<usize>, found: &str, expected: &str) {
+        let (line, column) = self.line_and_column(place.start);
+        let (found, expected) = (found.to_owned(), expected.to_owned());
+        self.problems.push(TrackError::Syntax { line, column, found, expected });
+    }
+
+    /// Notes every key that is not one of these.
+    fn known_keys(&mut self, table: &DeTable<'_>, keys: &[&str]) {
+        let unknown = table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref()));
+        for key in unknown {
+            let found = format!("unknown key `{}`", key.get_ref());
+            self.wrong(key.span(), &found, &format!("one of {}", keys.join(", ")));
+        }
+    }
+
+    /// The track's name.
+    fn name(&mut self, table: &DeTable<'_>) -> String {
+        match table.get("name") {
+            Some(value) => match value.get_ref().as_str() {
+                Some(name) => return name.to_owned(),
+                None => {
+                    let found = format!("name is of type {}", value.get_ref().type_str());
+                    self.wrong(value.span(), &found, "a string");
+                }
+            },
+            None => self.wrong(0..0, "no name", "name = \"...\""),
+        }
+        String::new()
+    }
+
+    /// The number at a key, if there is one as expected.
+    fn number(
+        &mut self,
+        table: &DeTable<'_>,
+        key: &str,
+        expected: &str,
+        allowed: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
+        let value = table.get(key)?;
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+            other => {
+                let found = format!("{key} is of type {}", other.type_str());
+                self.wrong(value.span(), &found, expected);
+                return None;
             }
-            (None, None, None) => return Err("a segment without a length"),
-            (None, Some(_), _) => return Err("angle_deg without radius_m"),
-            (Some(_), Some(_), Some(_)) => return Err("both angle_deg and length_m"),
-            (Some(_), None, None) => return Err("radius_m without angle_deg or length_m"),
         };
-        let start = (self.width_left_m.unwrap_or(left), self.width_right_m.unwrap_or(right));
-        let end =
-            (self.width_left_end_m.unwrap_or(start.0), self.width_right_end_m.unwrap_or(start.1));
-        Ok(segment.with_taper(start, end))
+        let number = number.filter(|number| number.is_finite() && allowed(*number));
+        if number.is_none() {
+            let found = format!("{key} is {}", self.text.get(value.span()).unwrap_or("no number"));
+            self.wrong(value.span(), &found, expected);
+        }
+        number
+    }
+
+    /// The segments with their lines.
+    fn segments(&mut self, table: &DeTable<'_>, widths: (f64, f64)) -> Vec<(usize, Segment)> {
+        let Some(value) = table.get("segment") else {
+            self.wrong(0..0, "no segment", "[[segment]] for each straight and arc");
+            return Vec::new();
+        };
+        let Some(array) = value.get_ref().as_array() else {
+            let found = format!("segment is of type {}", value.get_ref().type_str());
+            self.wrong(value.span(), &found, "[[segment]] for each straight and arc");
+            return Vec::new();
+        };
+        array.iter().filter_map(|entry| self.segment(entry, widths)).collect()
+    }
+
+    /// A segment with its line; it takes the track's (left, right) widths where it has none.
+    fn segment(
+        &mut self,
+        entry: &Spanned<DeValue<'_>>,
+        (left, right): (f64, f64),
+    ) -> Option<(usize, Segment)> {
+        let Some(table) = entry.get_ref().as_table() else {
+            let found = format!("a segment of type {}", entry.get_ref().type_str());
+            self.wrong(entry.span(), &found, "a table");
+            return None;
+        };
+        self.known_keys(table, &SEGMENT_KEYS);
+        let before = self.problems.len();
+        let positive = |v: f64| v > 0.0;
+        let length = self.number(table, "length_m", POSITIVE, positive);
+        let turns = |v: f64| v > 0.0 && v < 360.0;
+        let angle = self.number(table, "angle_deg", "a number above 0 and below 360", turns);
+        let signed = "a number other than 0, positive to the left";
+        let radius = self.number(table, "radius_m", signed, |v| v != 0.0);
+        let mut width =
+            |key: &str, other| self.number(table, key, POSITIVE, positive).unwrap_or(other);
+        let start = (width("width_left_m", left), width("width_right_m", right));
+        let end = (width("width_left_end_m", start.0), width("width_right_end_m", start.1));
+        if self.problems.len() > before {
+            return None;
+        }
+        let segment = match (radius, angle, length) {
+            (None, None, Some(length)) => Ok(Segment::straight(length)),
+            // Half and quarter turns are exact this way round.
+            (Some(radius), Some(angle), None) => Ok(Segment::arc(radius, angle / 180.0 * PI)),
+            (Some(radius), None, Some(length)) => {
+                Ok(Segment { kappa: 1.0 / radius, ..Segment::straight(length) })
+            }
+            (None, None, None) => Err("a segment without a length"),
+            (None, Some(_), _) => Err("angle_deg without radius_m"),
+            (Some(_), Some(_), Some(_)) => Err("both angle_deg and length_m"),
+            (Some(_), None, None) => Err("radius_m without angle_deg or length_m"),
+        };
+        match segment {
+            Ok(segment) => {
+                let line = self.line_and_column(entry.span().start).0;
+                Some((line, segment.with_taper(start, end)))
+            }
+            Err(found) => {
+                let expected = "length_m alone, or radius_m with one of angle_deg and length_m";
+                self.wrong(entry.span(), found, expected);
+                None
+            }
+        }
     }
 }

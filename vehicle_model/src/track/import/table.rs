@@ -63,10 +63,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
         problems.push(TrackError::Syntax { line: 1, column: 1, found, expected });
     }
     if !problems.is_empty() {
-        problems.sort_by_key(|problem| match problem {
-            TrackError::Syntax { line, .. } => *line,
-            _ => 0,
-        });
+        problems.sort_by_key(TrackError::line_and_column);
         return Err(problems);
     }
     let points = match header {
