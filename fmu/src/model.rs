@@ -37,9 +37,12 @@ impl Step {
     }
 }
 
-/// A model behind the FMI interfaces. Cloning is how an FMU state is taken, so large data that
-/// seldom changes belongs behind an `Arc`.
-pub trait Model: Clone + Send + Sized + 'static {
+/// A model behind the FMI interfaces.
+pub trait Model: Send + Sized + 'static {
+    /// Everything that changes while the model runs. Taking an FMU state clones it, so large
+    /// data that seldom changes belongs behind an `Arc`.
+    type State: Clone + Send + 'static;
+
     /// Names, units and texts; built once per process.
     fn description() -> &'static Description;
 
@@ -57,15 +60,24 @@ pub trait Model: Clone + Send + Sized + 'static {
     /// [`Fault::Failed`] if the model cannot go on.
     fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault>;
 
-    /// Writes everything [`Model::load`] needs to continue bit for bit.
+    /// The state now.
+    fn state(&self) -> Self::State;
+
+    /// Goes on from a state of a model started with the same fixed parameters, bit for bit.
     ///
     /// # Errors
-    /// [`Fault::Refused`] if the state cannot be written.
-    fn save(&self) -> Result<Vec<u8>, Fault>;
+    /// [`Fault::Refused`] if the state belongs to something else; nothing is changed then.
+    fn resume(&mut self, state: &Self::State) -> Result<(), Fault>;
 
-    /// Rebuilds a saved model; `io.values` are those of the time of saving.
+    /// A state as bytes.
+    ///
+    /// # Errors
+    /// [`Fault::Refused`] if it cannot be written.
+    fn save(state: &Self::State) -> Result<Vec<u8>, Fault>;
+
+    /// Reads what [`Model::save`] wrote.
     ///
     /// # Errors
     /// [`Fault::Refused`] with the reason.
-    fn load(io: &mut Io<'_>, bytes: &[u8]) -> Result<Self, Fault>;
+    fn load(bytes: &[u8]) -> Result<Self::State, Fault>;
 }

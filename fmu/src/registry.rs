@@ -14,7 +14,7 @@ use crate::instance::Instance;
 use crate::model::Model;
 
 /// An instance with the way to its host's log.
-pub(crate) struct Entry<M> {
+pub(crate) struct Entry<M: Model> {
     pub(crate) instance: Mutex<Instance<M>>,
     pub(crate) logger: Logger,
 }

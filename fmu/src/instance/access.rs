@@ -188,7 +188,7 @@ impl<M: Model> Instance<M> {
         let variables = M::description().table.variables();
         let parameter = |r: &u32| variables[*r as usize].role.parameter();
         if self.core.phase != Phase::Stepping && references.iter().any(parameter) {
-            self.core.model = None;
+            self.model = None;
         }
     }
 }

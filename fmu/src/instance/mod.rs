@@ -59,21 +59,21 @@ impl Phase {
 
 /// The part of an instance that a saved FMU state covers.
 #[derive(Clone)]
-pub(crate) struct Core<M> {
+pub(crate) struct Core {
     pub(crate) phase: Phase,
     /// Times [s]: start of the simulation, now, and the end if the host defined one.
     pub(crate) origin: f64,
     pub(crate) time: f64,
     pub(crate) stop: Option<f64>,
     pub(crate) values: Values,
-    /// `None` until the model is built from the parameters.
-    pub(crate) model: Option<M>,
 }
 
 /// One instance.
-pub(crate) struct Instance<M> {
+pub(crate) struct Instance<M: Model> {
     pub(crate) version: Version,
-    pub(crate) core: Core<M>,
+    pub(crate) core: Core,
+    /// `None` until the model is built from the parameters.
+    pub(crate) model: Option<M>,
     pub(crate) resources: Option<PathBuf>,
     pub(crate) filter: Filter,
     pub(crate) log: Log,
@@ -95,8 +95,8 @@ impl<M: Model> Instance<M> {
                 time: 0.0,
                 stop: None,
                 values,
-                model: None,
             },
+            model: None,
             resources,
             filter,
             log: Log::default(),
@@ -125,27 +125,21 @@ impl<M: Model> Instance<M> {
 
     /// Builds the model if the parameters changed since it was last built.
     fn ensure_model(&mut self) -> Result<(), Fault> {
-        if self.core.model.is_some() {
+        if self.model.is_some() {
             return Ok(());
         }
-        self.backup.clone_from(&self.core.values.numbers);
-        let mut io = Io {
-            values: &mut self.core.values,
-            resources: self.resources.as_deref(),
-            log: &mut self.log,
-        };
-        match Self::guarded("initialisation", || M::start(&mut io))
-            .and_then(|model| check_outputs::<M>(&self.core.values).map(|()| model))
-        {
-            Ok(model) => {
-                self.core.model = Some(model);
-                Ok(())
-            }
-            Err(fault) => {
-                self.core.values.numbers.clone_from(&self.backup);
-                Err(fault)
-            }
-        }
+        let mut values = self.core.values.clone();
+        self.model = Some(self.build(&mut values)?);
+        self.core.values = values;
+        Ok(())
+    }
+
+    /// A model of these parameters, and its initial outputs.
+    fn build(&mut self, values: &mut Values) -> Result<M, Fault> {
+        let mut io = Io { values, resources: self.resources.as_deref(), log: &mut self.log };
+        let model = Self::guarded("initialisation", || M::start(&mut io))?;
+        check_outputs::<M>(io.values)?;
+        Ok(model)
     }
 }
 

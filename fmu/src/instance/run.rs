@@ -60,7 +60,7 @@ impl<M: Model> Instance<M> {
         self.core.phase = Phase::Instantiated;
         (self.core.origin, self.core.time, self.core.stop) = (0.0, 0.0, None);
         self.core.values = Values::start(&M::description().table);
-        self.core.model = None;
+        self.model = None;
         Ok(())
     }
 
@@ -69,7 +69,7 @@ impl<M: Model> Instance<M> {
         self.allow(function, &[Phase::Stepping])?;
         self.check_step(function, begin, size)?;
         self.backup.clone_from(&self.core.values.numbers);
-        let Some(model) = self.core.model.as_mut() else {
+        let Some(model) = self.model.as_mut() else {
             return Err(Fault::Fatal(format!("{function}: stepping without a model")));
         };
         let mut io = Io {

@@ -5,12 +5,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::{Core, Instance, Phase};
 use crate::bytes::{Reader, Writer};
 use crate::checksum::fnv1a;
-use crate::model::{Io, Model};
+use crate::model::Model;
 use crate::status::Fault;
 use crate::values::Values;
+use crate::variable::Role;
 
 /// Everything an FMU state holds.
-pub(super) type Snapshot<M> = Core<M>;
+pub(super) struct Snapshot<M: Model> {
+    core: Core,
+    state: Option<M::State>,
+}
 
 const MAGIC: &[u8; 8] = b"LMPC-FMU";
 const FORMAT: u64 = 1;
@@ -25,18 +29,50 @@ impl<M: Model> Instance<M> {
     /// Takes the state into a new handle, or into `old` if that names a state of this instance.
     pub(crate) fn get_state(&mut self, function: &str, old: usize) -> Result<usize, Fault> {
         self.allow(function, &Phase::ALL[..5])?;
-        let snapshot = self.core.clone();
+        let state = self.model.as_ref().map(M::state);
+        let snapshot = Snapshot { core: self.core.clone(), state };
         if old != 0 && !self.snapshots.contains_key(&old) {
             return Err(unknown(function));
         }
         Ok(self.keep(old, snapshot))
     }
 
+    /// Goes back to a state; whatever goes wrong, the instance stays where it is.
     pub(crate) fn set_state(&mut self, function: &str, handle: usize) -> Result<(), Fault> {
         self.allow(function, &Phase::ALL[..5])?;
-        let snapshot = self.snapshots.get(&handle).ok_or_else(|| unknown(function))?;
-        self.core = snapshot.clone();
+        let snapshot = self.snapshots.remove(&handle).ok_or_else(|| unknown(function))?;
+        let done = self.adopt(function, &snapshot);
+        self.snapshots.insert(handle, snapshot);
+        done.map_err(|fault| Fault::Refused(format!("{function}: {fault}")))
+    }
+
+    fn adopt(&mut self, function: &str, snapshot: &Snapshot<M>) -> Result<(), Fault> {
+        let Some(state) = &snapshot.state else {
+            (self.core, self.model) = (snapshot.core.clone(), None);
+            return Ok(());
+        };
+        let reusable = self.core.phase != Phase::Failed && self.same_fixed(&snapshot.core.values);
+        match self.model.as_mut().filter(|_| reusable) {
+            Some(model) => Self::guarded(function, || model.resume(state))?,
+            None => {
+                let mut values = snapshot.core.values.clone();
+                let mut model = self.build(&mut values)?;
+                Self::guarded(function, || model.resume(state))?;
+                self.model = Some(model);
+            }
+        }
+        self.core.clone_from(&snapshot.core);
         Ok(())
+    }
+
+    /// Whether the present model was built from the same fixed parameters.
+    fn same_fixed(&self, values: &Values) -> bool {
+        let here = &self.core.values;
+        let variables = M::description().table.variables().iter().enumerate();
+        variables.filter(|(_, v)| v.role == Role::Fixed).all(|(i, _)| {
+            values.numbers[i].to_bits() == here.numbers[i].to_bits()
+                && values.texts[i] == here.texts[i]
+        })
     }
 
     pub(crate) fn free_state(&mut self, function: &str, handle: usize) -> Result<(), Fault> {
@@ -50,7 +86,7 @@ impl<M: Model> Instance<M> {
     pub(crate) fn serialize(&mut self, function: &str, handle: usize) -> Result<Vec<u8>, Fault> {
         self.allow(function, &Phase::ALL[..5])?;
         let snapshot = self.snapshots.get(&handle).ok_or_else(|| unknown(function))?;
-        let payload = Self::guarded(function, || write(snapshot))?;
+        let payload = Self::guarded(function, || write::<M>(snapshot))?;
         let mut writer = Writer::default();
         writer.u64(u64::from_le_bytes(*MAGIC));
         writer.u64(FORMAT);
@@ -75,11 +111,8 @@ impl<M: Model> Instance<M> {
         }
         let payload = payload::<M>(bytes)
             .map_err(|reason| Fault::Refused(format!("{function}: {reason}")))?;
-        let (resources, log) = (self.resources.as_deref(), &mut self.log);
-        let read =
-            |values: &mut Values, model: &[u8]| M::load(&mut Io { values, resources, log }, model);
-        let snapshot = Self::guarded(function, || read_core::<M>(payload, read))
-            .map_err(|fault| Fault::Refused(fault.to_string()))?;
+        let snapshot = Self::guarded(function, || read_snapshot::<M>(payload))
+            .map_err(|fault| Fault::Refused(format!("{function}: {fault}")))?;
         Ok(self.keep(old, snapshot))
     }
 
@@ -131,7 +164,8 @@ fn payload<M: Model>(bytes: &[u8]) -> Result<&[u8], String> {
     Ok(payload)
 }
 
-fn write<M: Model>(core: &Core<M>) -> Result<Vec<u8>, Fault> {
+fn write<M: Model>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, Fault> {
+    let core = &snapshot.core;
     let mut writer = Writer::default();
     let phase = Phase::ALL.iter().position(|p| *p == core.phase).unwrap_or_default();
     writer.u64(phase as u64);
@@ -141,27 +175,21 @@ fn write<M: Model>(core: &Core<M>) -> Result<Vec<u8>, Fault> {
     writer.f64(core.stop.unwrap_or_default());
     writer.f64s(&core.values.numbers);
     core.values.texts.iter().for_each(|text| writer.blob(text.as_bytes()));
-    writer.u64(u64::from(core.model.is_some()));
-    if let Some(model) = &core.model {
-        writer.blob(&model.save()?);
+    writer.u64(u64::from(snapshot.state.is_some()));
+    if let Some(state) = &snapshot.state {
+        writer.blob(&M::save(state)?);
     }
     Ok(writer.finish())
 }
 
-fn read_core<M: Model>(
-    bytes: &[u8],
-    load: impl FnOnce(&mut Values, &[u8]) -> Result<M, Fault>,
-) -> Result<Core<M>, Fault> {
+fn read_snapshot<M: Model>(bytes: &[u8]) -> Result<Snapshot<M>, Fault> {
     let mut reader = Reader::new(bytes);
-    let (mut core, model) = read_fields(&mut reader)
+    let (core, state) = read_fields::<M>(&mut reader)
         .ok_or_else(|| Fault::Refused("the saved state ends too early".to_owned()))?;
-    if let Some(model) = model {
-        core.model = Some(load(&mut core.values, model)?);
-    }
-    Ok(core)
+    Ok(Snapshot { core, state: state.map(M::load).transpose()? })
 }
 
-fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core<M>, Option<&'a [u8]>)> {
+fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core, Option<&'a [u8]>)> {
     let table = &M::description().table;
     let phase = *Phase::ALL.get(usize::try_from(reader.u64()?).ok()?)?;
     let (origin, time) = (reader.f64()?, reader.f64()?);
@@ -171,11 +199,10 @@ fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core<M>, Option
     for text in &mut values.texts {
         *text = String::from_utf8(reader.blob()?.to_vec()).ok()?;
     }
-    let model = if reader.u64()? == 0 { None } else { Some(reader.blob()?) };
+    let state = if reader.u64()? == 0 { None } else { Some(reader.blob()?) };
     // A state that claims to step without a model would be a lie.
-    if !reader.is_empty() || (phase == Phase::Stepping && model.is_none()) {
+    if !reader.is_empty() || (phase == Phase::Stepping && state.is_none()) {
         return None;
     }
-    let stop = stops.then_some(stop);
-    Some((Core { phase, origin, time, stop, values, model: None }, model))
+    Some((Core { phase, origin, time, stop: stops.then_some(stop), values }, state))
 }

@@ -5,9 +5,9 @@ mod slots;
 
 use std::sync::OnceLock;
 
-use vehicle_model::{GripChange, Input, Plant, PlantParams, SensorNoise, State};
+use serde::{Deserialize, Serialize};
+use vehicle_model::{GripChange, Input, Plant, PlantParams, PlantState, SensorNoise, State};
 
-use crate::bytes::{Reader, Writer};
 use crate::description::{Description, Terminal};
 use crate::files;
 use crate::model::{Io, Model, Step};
@@ -18,12 +18,22 @@ use slots::Slots;
 
 /// The simulated car behind FMI. Any communication step is taken as it is: the plant cuts it
 /// into integration steps itself.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct VehicleFmu {
     plant: Plant,
     /// Grip factors the plant was built with; they are tunable.
     grip: [f64; 2],
     /// Measurement at the end of the last step: noise is drawn once per step, not per read.
+    measured: State,
+}
+
+/// What changes while a vehicle runs, and the fingerprints of what does not.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VehicleState {
+    car: u64,
+    track: u64,
+    plant: PlantState,
+    grip: [f64; 2],
     measured: State,
 }
 
@@ -100,10 +110,13 @@ impl VehicleFmu {
     /// Grip may change while stepping; everything else of the plant stays.
     fn retune(&mut self, values: &Values) -> Result<(), Fault> {
         let grip = array(values, &slots().grip);
-        if grip == self.grip { Ok(()) } else { self.set_grip(grip) }
+        self.set_grip(grip)
     }
 
     fn set_grip(&mut self, grip: [f64; 2]) -> Result<(), Fault> {
+        if grip == self.grip {
+            return Ok(());
+        }
         let mut params = self.plant.params().clone();
         params.disturbance.grip = grip_changes(grip);
         let (track, state) = (self.plant.track().clone(), self.plant.state().clone());
@@ -145,6 +158,8 @@ fn grip_changes(grip: [f64; 2]) -> Vec<GripChange> {
 }
 
 impl Model for VehicleFmu {
+    type State = VehicleState;
+
     fn description() -> &'static Description {
         &description().0
     }
@@ -175,42 +190,37 @@ impl Model for VehicleFmu {
         Ok(())
     }
 
-    fn save(&self) -> Result<Vec<u8>, Fault> {
-        let state = postcard::to_allocvec(self.plant.state())
-            .map_err(|e| Fault::Refused(format!("cannot write the car's state: {e}")))?;
-        let mut writer = Writer::default();
-        writer.u64(self.plant.params().car.fingerprint());
-        writer.u64(self.plant.track().fingerprint());
-        writer.f64s(self.measured.to_vector().as_slice());
-        writer.f64s(&self.grip);
-        writer.blob(&state);
-        Ok(writer.finish())
+    fn state(&self) -> VehicleState {
+        VehicleState {
+            car: self.plant.params().car.fingerprint(),
+            track: self.plant.track().fingerprint(),
+            plant: self.plant.state().clone(),
+            grip: self.grip,
+            measured: self.measured,
+        }
     }
 
-    fn load(io: &mut Io<'_>, bytes: &[u8]) -> Result<Self, Fault> {
-        let mut model = Self::build(io)?;
-        let mut reader = Reader::new(bytes);
-        let fields = (|| {
-            let (car, track) = (reader.u64()?, reader.u64()?);
-            let (measured, grip) = (reader.f64s()?, reader.f64s()?);
-            let (measured, grip) =
-                (<[f64; 6]>::try_from(measured).ok()?, <[f64; 2]>::try_from(grip).ok()?);
-            Some((car, track, measured, grip, reader.blob()?))
-        })();
-        let refused = |reason: &str| Fault::Refused(format!("saved car: {reason}"));
-        let (car, track, measured, grip, state) =
-            fields.ok_or_else(|| refused("its bytes end too early"))?;
-        if car != model.plant.params().car.fingerprint() {
-            return Err(refused("the car file holds another car than when it was saved"));
-        }
-        if track != model.plant.track().fingerprint() {
-            return Err(refused("the track file holds another track than when it was saved"));
-        }
-        let state = postcard::from_bytes(state).map_err(|e| refused(&e.to_string()))?;
-        model.plant.restore(state);
-        model.measured = State::from_vector(&measured.into());
-        // The grip of the last step; a later change in the values acts in the next one.
-        model.set_grip(grip)?;
-        Ok(model)
+    fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
+        let (car, track) = (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
+        let other = if state.car != car {
+            "car"
+        } else if state.track != track {
+            "track"
+        } else {
+            // The grip of the last step; a later change in the values acts in the next one.
+            self.set_grip(state.grip)?;
+            self.plant.restore(state.plant.clone());
+            self.measured = state.measured;
+            return Ok(());
+        };
+        Err(Fault::Refused(format!("the {other} file holds another {other} than when saved")))
+    }
+
+    fn save(state: &VehicleState) -> Result<Vec<u8>, Fault> {
+        postcard::to_allocvec(state).map_err(|e| Fault::Refused(format!("saving the car: {e}")))
+    }
+
+    fn load(bytes: &[u8]) -> Result<VehicleState, Fault> {
+        postcard::from_bytes(bytes).map_err(|e| Fault::Refused(format!("saved car: {e}")))
     }
 }

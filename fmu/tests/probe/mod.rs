@@ -94,6 +94,8 @@ impl Probe {
 }
 
 impl Model for Probe {
+    type State = Self;
+
     fn description() -> &'static Description {
         &description().0
     }
@@ -138,15 +140,24 @@ impl Model for Probe {
         Ok(())
     }
 
-    fn save(&self) -> Result<Vec<u8>, Fault> {
+    fn state(&self) -> Self {
+        self.clone()
+    }
+
+    fn resume(&mut self, state: &Self) -> Result<(), Fault> {
+        self.clone_from(state);
+        Ok(())
+    }
+
+    fn save(state: &Self) -> Result<Vec<u8>, Fault> {
         let mut writer = Writer::default();
-        writer.u64(self.schedule.count() as u64);
-        writer.f64(self.x);
-        writer.f64s(&self.samples);
+        writer.u64(state.schedule.count() as u64);
+        writer.f64(state.x);
+        writer.f64s(&state.samples);
         Ok(writer.finish())
     }
 
-    fn load(_io: &mut Io<'_>, bytes: &[u8]) -> Result<Self, Fault> {
+    fn load(bytes: &[u8]) -> Result<Self, Fault> {
         let mut reader = Reader::new(bytes);
         let mut read = || {
             let schedule = Schedule::resumed(PERIOD, i64::try_from(reader.u64()?).ok()?)?;
