@@ -29,7 +29,7 @@ impl Controller {
     }
 
     /// Makes anew what follows from laps and grip.
-    fn derive(&mut self) {
+    pub(crate) fn derive(&mut self) {
         let (config, laps) = (&self.setup.config, &self.memory.dataset.laps);
         let fastest = config.safe_set.selection == Selection::Fastest;
         let selected = self.memory.dataset.select(config.safe_set.laps, fastest);

@@ -14,7 +14,7 @@ pub(crate) const CAR: &str = "barc";
 pub(crate) const TRACK: &str = "l";
 
 /// Reads the text of a file: as named, or below the FMU's resources.
-fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, Fault> {
+pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, Fault> {
     let mut tried = vec![PathBuf::from(name)];
     tried.extend(io.resources.map(|folder| folder.join(name)));
     let place = tried.iter().find(|path| path.is_file()).ok_or_else(|| {

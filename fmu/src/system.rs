@@ -69,7 +69,10 @@ pub(crate) fn ssd() -> String {
     xml.open("ssd:DefaultExperiment", &[("startTime", number(0.0)), ("stopTime", number(STOP))]);
     xml.open("ssd:Annotations", &[]);
     xml.open("ssc:Annotation", &[("type", s("org.openmodelica"))]);
-    let oms = ("xmlns:oms", s("https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"));
+    let oms = (
+        "xmlns:oms",
+        s("https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"),
+    );
     xml.open("oms:Annotations", &[oms]);
     xml.open("oms:SimulationInformation", &[]);
     let master = ("description", s("oms-ma"));

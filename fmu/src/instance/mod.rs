@@ -89,13 +89,7 @@ impl<M: Model> Instance<M> {
         let values = Values::start(&M::description().table);
         Self {
             version,
-            core: Core {
-                phase: Phase::Instantiated,
-                origin: 0.0,
-                time: 0.0,
-                stop: None,
-                values,
-            },
+            core: Core { phase: Phase::Instantiated, origin: 0.0, time: 0.0, stop: None, values },
             model: None,
             resources,
             filter,

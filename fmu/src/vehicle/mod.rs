@@ -201,7 +201,8 @@ impl Model for VehicleFmu {
     }
 
     fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
-        let (car, track) = (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
+        let (car, track) =
+            (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
         let other = if state.car != car {
             "car"
         } else if state.track != track {
