@@ -32,11 +32,11 @@ impl Config {
     fn paper() -> Self {
         Self {
             preset: Preset::Paper,
-            horizon: Horizon { steps: 12, period: 0.1, substeps: 10 },
-            safe_set: SafeSetConfig { neighbors: 8, laps: 3, selection: Selection::Recent },
+            horizon: Horizon { steps: 13, period: 0.1, substeps: 10 },
+            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Recent },
             regression: RegressionConfig {
                 mode: RegressionMode::Error,
-                neighbors: 20,
+                neighbors: 40,
                 laps: 4,
                 bandwidth: 5.0,
                 ridge: 1e-3,
@@ -59,8 +59,8 @@ impl Config {
             },
             limits: LimitsConfig {
                 lane_margin: 0.1,
-                front_slip: 0.12,
-                rear_slip: 0.0,
+                front_slip: 0.11,
+                rear_slip: 0.09,
                 speed_cap: 0.0,
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },

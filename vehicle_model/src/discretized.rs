@@ -1,7 +1,11 @@
 //! One control step of a model: Runge-Kutta 4 with the input held, and its exact Jacobians.
 
+mod variation;
+
 use nalgebra::{Const, Matrix6, Matrix6x2, U1, Vector6};
 use num_dual::DualSVec64;
+
+use variation::By;
 
 use crate::model::{Model, ModelKind, Number, PoseConvention, pose_rates, state_array};
 use crate::state::{Input, NU, NX, State};
@@ -43,12 +47,25 @@ impl Discretized {
 
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, kappa: impl Fn(f64) -> f64) -> Linearization {
+        match self.model.kind {
+            ModelKind::Dynamic => variation::linearize(self, x, u, By::Input, &kappa),
+            ModelKind::Kinematic => self.linearize_directly(x, u, &kappa),
+        }
+    }
+
+    /// The whole step in dual numbers: short, and cheap enough where the velocities are algebraic.
+    fn linearize_directly(
+        &self,
+        x: &State,
+        u: &Input,
+        kappa: &impl Fn(f64) -> f64,
+    ) -> Linearization {
         type Dual = DualSVec64<DIRECTIONS>;
         let values = state_array(x);
         let state: [Dual; NX] = std::array::from_fn(|i| Dual::from_re(values[i]).derivative(i));
         let input = [Dual::from_re(u.a).derivative(NX), Dual::from_re(u.delta).derivative(NX + 1)];
         let grip = self.model.grip.map(Dual::from_re);
-        let next = self.step(&state, &input, &grip, &kappa);
+        let next = self.step(&state, &input, &grip, kappa);
 
         let mut a = Matrix6::zeros();
         let mut b = Matrix6x2::zeros();
@@ -72,20 +89,22 @@ impl Discretized {
         u: &Input,
         kappa: impl Fn(f64) -> f64,
     ) -> (Vector6<f64>, Matrix6x2<f64>) {
-        type Dual = DualSVec64<2>;
-        let state = state_array(x).map(Dual::from_re);
-        let input = [u.a, u.delta].map(Dual::from_re);
-        let grip: [Dual; 2] =
-            std::array::from_fn(|i| Dual::from_re(self.model.grip[i]).derivative(i));
-        let next = self.step(&state, &input, &grip, &kappa);
-        let mut jacobian = Matrix6x2::zeros();
-        for (row, number) in next.iter().enumerate() {
-            let gradient = number.eps.unwrap_generic(Const::<2>, U1);
-            for column in 0..2 {
-                jacobian[(row, column)] = gradient[column];
+        match self.model.kind {
+            ModelKind::Dynamic => {
+                let found = variation::linearize(self, x, u, By::Grip, &kappa);
+                (found.next, found.b)
             }
+            // A car that rolls has all the grip it needs.
+            ModelKind::Kinematic => (self.next(x, u, kappa).to_vector(), Matrix6x2::zeros()),
         }
-        (self.next(x, u, kappa).to_vector(), jacobian)
+    }
+
+    /// Number and length of the Runge-Kutta steps.
+    fn grid(&self) -> (usize, f64) {
+        let substeps = self.substeps.max(1);
+        #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
+        let h = self.dt / substeps as f64;
+        (substeps, h)
     }
 
     fn step<T: Number>(
@@ -95,9 +114,7 @@ impl Discretized {
         grip: &[T; 2],
         kappa: &impl Fn(f64) -> f64,
     ) -> [T; NX] {
-        let substeps = self.substeps.max(1);
-        #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
-        let h = self.dt / substeps as f64;
+        let (substeps, h) = self.grid();
         match self.model.kind {
             ModelKind::Dynamic => (0..substeps).fold(*x, |x, _| {
                 runge_kutta_4(&x, h, |x, _| {

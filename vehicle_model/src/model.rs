@@ -77,7 +77,16 @@ impl Model {
     /// Forces of both axles in this state.
     #[must_use]
     pub fn forces(&self, x: &State, u: &Input) -> AxleForces<f64> {
-        bicycle::forces(&self.params, &state_array(x), &[u.a, u.delta], &self.grip)
+        bicycle::forces(&self.params, &[x.v_x, x.v_y, x.omega_z], &[u.a, u.delta], &self.grip)
+    }
+
+    /// Share of each axle's peak force in use, sqrt(F_x^2 + F_y^2)/(mu F_z) [-].
+    #[must_use]
+    pub fn utilisation(&self, forces: &AxleForces<f64>) -> [f64; 2] {
+        let mu = [self.params.tyre_front.mu, self.params.tyre_rear.mu];
+        std::array::from_fn(|i| {
+            forces.long[i].hypot(forces.lateral[i]) / (mu[i] * self.grip[i] * forces.vertical[i])
+        })
     }
 
     /// The one source of the equations; `grip` are the factors on the friction coefficients.
@@ -88,12 +97,22 @@ impl Model {
         kappa: f64,
         grip: &[T; 2],
     ) -> [T; NX] {
-        let velocity = match self.kind {
-            ModelKind::Dynamic => bicycle::velocity_rates(&self.params, x, u, grip),
-            ModelKind::Kinematic => kinematic::velocity_rates(&self.params, x, u),
-        };
+        let velocity = self.velocity_rates(&[x[0], x[1], x[2]], u, grip);
         let pose = pose_rates(&[x[0], x[1], x[2]], &[x[3], x[4], x[5]], kappa);
         [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
+    }
+
+    /// Rates of [v_x, v_y, omega_z], which do not depend on the pose.
+    pub(crate) fn velocity_rates<T: Number>(
+        &self,
+        v: &[T; 3],
+        u: &[T; NU],
+        grip: &[T; 2],
+    ) -> [T; 3] {
+        match self.kind {
+            ModelKind::Dynamic => bicycle::velocity_rates(&self.params, v, u, grip),
+            ModelKind::Kinematic => kinematic::velocity_rates(&self.params, v, u),
+        }
     }
 
     /// Velocities of the kinematic model at the end of a step of `dt`.
@@ -108,7 +127,7 @@ impl Model {
 
     /// Longitudinal acceleration of the kinematic model.
     pub(crate) fn kinematic_rate<T: Number>(&self, x: &[T; NX], u: &[T; NU]) -> T {
-        kinematic::speed_rate(&self.params, x, u)
+        kinematic::speed_rate(&self.params, x[0], u[0])
     }
 
     /// Kinematic velocities at a speed.
@@ -131,7 +150,8 @@ pub(crate) fn pose_rates<T: Number>(v: &[T; 3], pose: &[T; 3], kappa: f64) -> [T
     if scale.re() < MIN_FRENET_SCALE {
         scale = T::from(MIN_FRENET_SCALE);
     }
-    let s_dot = (v_x * cos_psi - v_y * sin_psi) / scale;
+    // By the reciprocal: values and dual numbers round alike.
+    let s_dot = (v_x * cos_psi - v_y * sin_psi) * scale.recip();
     [omega_z - s_dot * kappa, s_dot, v_x * sin_psi + v_y * cos_psi]
 }
 

@@ -211,10 +211,16 @@ impl Plant {
         self.state.actuators.applied()
     }
 
-    /// Slip angles, forces, loads and utilisation of the axles now.
+    /// Slip angles, forces and loads of the axles now.
     #[must_use]
     pub fn tyres(&self) -> AxleForces<f64> {
         self.model.forces(&self.state.x, &self.applied())
+    }
+
+    /// Share of each axle's peak force in use, front and rear [-].
+    #[must_use]
+    pub fn utilisation(&self) -> [f64; 2] {
+        self.model.utilisation(&self.tyres())
     }
 
     /// Time since the start [s].

@@ -99,6 +99,7 @@ fn damaged_files_say_what_is_wrong() {
         (BARC.replacen("mu = 0.9 ", "# ", 1), "either mu or peak_n"),
         (BARC.replace("blend_speed_low_mps = 0.3", "blend_speed_low_mps = 1.0"), "below blend"),
         (BARC.replace("a_max_mps2 = 2.0", "a_max_mps2 = nan"), "a_max_mps2: found NaN"),
+        (format!("cd = 0.5\n{BARC}"), "area_m2: found 0"),
         ("mass_kg = ".to_owned(), "line 1"),
     ];
     for (text, expected) in cases {

@@ -152,3 +152,28 @@ fn curvature_is_frozen_across_a_jump() {
     let straight = step.next(&x, &Input { a: 0.5, delta: 0.1 }, |_| 0.0);
     assert!(found.next[3] < straight.e_psi - 0.05);
 }
+
+/// Full-size speeds, where drag and downforce matter and functions of v_x may overflow.
+#[test]
+fn jacobians_at_full_size_speeds() {
+    let iac = CarParams::builtin("iac").unwrap();
+    let step = Discretized { model: Model::new(ModelKind::Dynamic, iac), dt: 0.1, substeps: 10 };
+    for v_x in [5.0, 20.0, 60.0, 100.0] {
+        let x = State { v_x, v_y: 0.2, omega_z: 0.1, e_psi: 0.05, s: 3.0, e_y: 1.5 };
+        for a in [-9.0, 6.0] {
+            let u = Input { a, delta: 0.02 };
+            let found = step.linearize(&x, &u, |_| 0.01);
+            for j in 0..6 {
+                let shifted = |h: f64| {
+                    let mut x = x.to_vector();
+                    x[j] += h;
+                    step.next(&State::from_vector(&x), &u, |_| 0.01).to_vector()
+                };
+                let difference = (shifted(H) - shifted(-H)) / (2.0 * H);
+                for i in 0..6 {
+                    assert_close(found.a[(i, j)], difference[i], &format!("A[{i},{j}] at {v_x}"));
+                }
+            }
+        }
+    }
+}

@@ -39,15 +39,15 @@ fn states() -> impl Iterator<Item = (State, Input, f64)> {
 fn printed_equations(car: &CarParams, x: &State, u: &Input, kappa: f64) -> [f64; 6] {
     let State { v_x, v_y, omega_z, e_psi, e_y, .. } = *x;
     let (m, l) = (car.mass, car.l_f + car.l_r);
-    let alpha_f = u.delta - ((v_y + omega_z * car.l_f) / v_x).atan();
-    let alpha_r = -((v_y - omega_z * car.l_r) / v_x).atan();
+    let alpha_f = u.delta - ((v_y + omega_z * car.l_f) * (1.0 / v_x)).atan();
+    let alpha_r = -((v_y - omega_z * car.l_r) * (1.0 / v_x)).atan();
     let peak_f = m * GRAVITY * (car.l_r / l) * car.tyre_front.mu;
     let peak_r = m * GRAVITY * (car.l_f / l) * car.tyre_rear.mu;
     let f_f = peak_f * ((alpha_f * car.tyre_front.b).atan() * car.tyre_front.c).sin();
     let f_r = peak_r * ((alpha_r * car.tyre_rear.b).atan() * car.tyre_rear.c).sin();
     let (sin, cos) = u.delta.sin_cos();
     let (sin_psi, cos_psi) = e_psi.sin_cos();
-    let s_dot = (v_x * cos_psi - v_y * sin_psi) / (1.0 - e_y * kappa);
+    let s_dot = (v_x * cos_psi - v_y * sin_psi) * (1.0 / (1.0 - e_y * kappa));
     [
         u.a - f_f * sin / m + omega_z * v_y,
         (f_f * cos + f_r) / m - omega_z * v_x,
@@ -208,8 +208,7 @@ fn low_speed_is_stable() {
         [("barc", 0.1, 1.5), ("iac", 0.1, 6.0), ("kart", 0.1, 4.0), ("mini", 0.02, 0.8)]
     {
         let car = CarParams::builtin(name).unwrap();
-        let car_stronger = CarParams { ..car.clone() };
-        for car in [car, car_stronger.with_mu(1.2)] {
+        for car in [car.clone(), car.with_mu(1.2)] {
             let step = Discretized { model: dynamic(car.clone()), dt, substeps: 10 };
             for i in -4..=60 {
                 let v = top * f64::from(i) / 60.0;

@@ -308,6 +308,17 @@ fn wind_pushes_in_its_direction() {
 }
 
 #[test]
+fn utilisation_is_one_at_the_peak_slip() {
+    let mut plant = plant(PlantParams::new(barc()));
+    let peak = barc().tyre_front.peak_slip();
+    plant.apply(Input { a: 0.0, delta: peak }, 1e-9);
+    let tyres = plant.tyres();
+    assert!((tyres.slip[0] - peak).abs() < 1e-6);
+    assert!((plant.utilisation()[0] - 1.0).abs() < 1e-6);
+    assert!(plant.utilisation()[1] < 1e-3);
+}
+
+#[test]
 fn a_saved_plant_goes_on_as_if_nothing_happened() {
     let mut params = noisy(11);
     params.car.actuator_delay = 0.137;

@@ -5,7 +5,7 @@ use crate::params::{CarParams, GRAVITY};
 
 /// Speed below which rolling resistance fades to zero, so that it stops a car and does not push
 /// it [m/s].
-const ROLLING_FADE_SPEED: f64 = 0.1;
+const ROLLING_FADE_SPEED: f64 = 0.05;
 /// Lowest speed at which a power limit is evaluated [m/s].
 const MIN_POWER_SPEED: f64 = 0.5;
 /// An axle never lifts off completely: least share of its static load.
@@ -22,8 +22,6 @@ pub struct AxleForces<T> {
     pub vertical: [T; 2],
     /// Slip angle [rad].
     pub slip: [T; 2],
-    /// Share of the tyre's peak force in use, sqrt(F_x^2 + F_y^2)/(mu F_z) [-].
-    pub utilisation: [T; 2],
 }
 
 /// What acts along the car.
@@ -77,7 +75,8 @@ fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
     }
     let mut sum = v_x * v_x.abs() * drag + v_x * car.linear_drag;
     if car.rolling != 0.0 {
-        sum += (v_x * (1.0 / ROLLING_FADE_SPEED)).tanh() * (car.rolling * GRAVITY);
+        let speed = (v_x * v_x + ROLLING_FADE_SPEED * ROLLING_FADE_SPEED).sqrt();
+        sum += v_x * speed.recip() * (car.rolling * GRAVITY);
     }
     Some(sum)
 }

@@ -10,7 +10,7 @@
 use super::axles::{AxleForces, Longitudinal, longitudinal, vertical_loads};
 use super::{Number, kinematic, tyre};
 use crate::params::{CarParams, Tyre};
-use crate::state::{NU, NX};
+use crate::state::NU;
 
 /// Least share of the lateral force that full longitudinal force leaves: keeps the friction
 /// ellipse's slope finite.
@@ -19,17 +19,17 @@ const MIN_ELLIPSE_SHARE: f64 = 0.05;
 /// Rates of v_x, v_y and omega_z.
 pub(super) fn velocity_rates<T: Number>(
     car: &CarParams,
-    x: &[T; NX],
+    v: &[T; 3],
     u: &[T; NU],
     grip: &[T; 2],
 ) -> [T; 3] {
-    let share = blend_share(car, x[0]);
-    let Some(share) = share else { return tyre_rates(car, x, u, grip) };
-    let rolling = kinematic::velocity_rates(car, x, u);
+    let share = blend_share(car, v[0]);
+    let Some(share) = share else { return tyre_rates(car, v, u, grip) };
+    let rolling = kinematic::velocity_rates(car, v, u);
     if share.re() == 0.0 {
         return rolling;
     }
-    let tyres = tyre_rates(car, x, u, grip);
+    let tyres = tyre_rates(car, v, u, grip);
     std::array::from_fn(|i| rolling[i] + (tyres[i] - rolling[i]) * share)
 }
 
@@ -48,11 +48,11 @@ fn blend_share<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
 }
 
 /// Rates by the tyre forces alone.
-fn tyre_rates<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU], grip: &[T; 2]) -> [T; 3] {
-    let [v_x, v_y, omega_z, ..] = *x;
+fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU], grip: &[T; 2]) -> [T; 3] {
+    let [v_x, v_y, omega_z] = *v;
     let (sin_delta, cos_delta) = u[1].sin_cos();
     let along = longitudinal(car, v_x, u[0]);
-    let forces = axle_forces(car, x, u[1], grip, &along);
+    let forces = axle_forces(car, v, u[1], grip, &along);
     let [f_yf, f_yr] = forces.lateral;
     let [f_xf, f_xr] = forces.long;
 
@@ -78,37 +78,31 @@ fn tyre_rates<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU], grip: &[T; 2
 /// Forces of both axles.
 pub(super) fn forces<T: Number>(
     car: &CarParams,
-    x: &[T; NX],
+    v: &[T; 3],
     u: &[T; NU],
     grip: &[T; 2],
 ) -> AxleForces<T> {
-    axle_forces(car, x, u[1], grip, &longitudinal(car, x[0], u[0]))
+    axle_forces(car, v, u[1], grip, &longitudinal(car, v[0], u[0]))
 }
 
 fn axle_forces<T: Number>(
     car: &CarParams,
-    x: &[T; NX],
+    v: &[T; 3],
     delta: T,
     grip: &[T; 2],
     along: &Longitudinal<T>,
 ) -> AxleForces<T> {
-    let slip = tyre::slip_angles(car.l_f, car.l_r, &[x[0], x[1], x[2]], delta);
-    let vertical = vertical_loads(car, x[0], along);
+    let slip = tyre::slip_angles(car.l_f, car.l_r, v, delta);
+    let vertical = vertical_loads(car, v[0], along);
     let tyres = [&car.tyre_front, &car.tyre_rear];
-    let axle = |i: usize| -> [T; 3] {
+    let axle = |i: usize| {
         axle_force(car, tyres[i], vertical[i], grip[i], slip[i], along.axle[i] * car.mass)
     };
     let (front, rear) = (axle(0), axle(1));
-    AxleForces {
-        long: [front[0], rear[0]],
-        lateral: [front[1], rear[1]],
-        vertical,
-        slip,
-        utilisation: [front[2], rear[2]],
-    }
+    AxleForces { long: [front.0, rear.0], lateral: [front.1, rear.1], vertical, slip }
 }
 
-/// Longitudinal force, lateral force and utilisation of one axle.
+/// Longitudinal and lateral force of one axle.
 fn axle_force<T: Number>(
     car: &CarParams,
     tyre: &Tyre,
@@ -116,7 +110,7 @@ fn axle_force<T: Number>(
     grip: T,
     slip: T,
     asked: T,
-) -> [T; 3] {
+) -> (T, T) {
     let peak = load * tyre.mu * grip;
     let mut long = asked;
     let mut lateral = tyre::lateral_force(tyre, peak, slip);
@@ -124,12 +118,10 @@ fn axle_force<T: Number>(
         if long.re().abs() > peak.re() {
             long = if long.re() > 0.0 { peak } else { -peak };
         }
-        let used = long / peak;
+        let used = long * peak.recip();
         let left = -(used * used) + 1.0;
         let least = MIN_ELLIPSE_SHARE * MIN_ELLIPSE_SHARE;
         lateral *= if left.re() > least { left.sqrt() } else { T::from(MIN_ELLIPSE_SHARE) };
     }
-    // Values only: the root has no slope where no force acts.
-    let total = long.re().hypot(lateral.re()) / peak.re().max(f64::MIN_POSITIVE);
-    [long, lateral, T::from(total)]
+    (long, lateral)
 }

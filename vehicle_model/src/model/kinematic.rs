@@ -7,7 +7,7 @@
 use super::Number;
 use super::axles::longitudinal;
 use crate::params::CarParams;
-use crate::state::{NU, NX};
+use crate::state::NU;
 
 /// Time in which v_y and omega_z follow the rolling values where the continuous model needs
 /// rates: slow enough for RK4 with 0.1 s, faster than any change a driver makes [s].
@@ -20,8 +20,8 @@ pub(super) fn velocities<T: Number>(car: &CarParams, v_x: T, delta: T) -> [T; 3]
 }
 
 /// v_x' by the command and what resists.
-pub(super) fn speed_rate<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU]) -> T {
-    let along = longitudinal(car, x[0], u[0]);
+pub(super) fn speed_rate<T: Number>(car: &CarParams, v_x: T, a: T) -> T {
+    let along = longitudinal(car, v_x, a);
     let mut a = if along.front_acts { along.axle[0] + along.axle[1] } else { along.axle[1] };
     if let Some(resistance) = along.resistance {
         a -= resistance;
@@ -30,10 +30,10 @@ pub(super) fn speed_rate<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU]) -
 }
 
 /// Rates of v_x, v_y and omega_z towards the rolling values.
-pub(super) fn velocity_rates<T: Number>(car: &CarParams, x: &[T; NX], u: &[T; NU]) -> [T; 3] {
-    let a = speed_rate(car, x, u);
-    let rolling = velocities(car, x[0], u[1]);
+pub(super) fn velocity_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU]) -> [T; 3] {
+    let a = speed_rate(car, v[0], u[0]);
+    let rolling = velocities(car, v[0], u[1]);
     let along = velocities(car, a, u[1]);
-    let follow = |i: usize| along[i] + (rolling[i] - x[i]) * (1.0 / FOLLOW_TIME);
+    let follow = |i: usize| along[i] + (rolling[i] - v[i]) * (1.0 / FOLLOW_TIME);
     [a, follow(1), follow(2)]
 }

@@ -15,8 +15,12 @@ pub(crate) fn slip_speed<T: Number>(v_x: T) -> T {
 /// alpha_f = delta - atan((v_y + l_f omega_z)/v_x), alpha_r = -atan((v_y - l_r omega_z)/v_x).
 pub(super) fn slip_angles<T: Number>(l_f: f64, l_r: f64, v: &[T; 3], delta: T) -> [T; 2] {
     let [v_x, v_y, omega_z] = *v;
-    let speed = slip_speed(v_x);
-    [delta - ((v_y + omega_z * l_f) / speed).atan(), -((v_y - omega_z * l_r) / speed).atan()]
+    // By the reciprocal: values and dual numbers round alike.
+    let per_speed = slip_speed(v_x).recip();
+    [
+        delta - ((v_y + omega_z * l_f) * per_speed).atan(),
+        -((v_y - omega_z * l_r) * per_speed).atan(),
+    ]
 }
 
 /// F_y = D sin(C atan(B alpha)).

@@ -117,6 +117,18 @@ impl CarParams {
             check(section, "c", Some(tyre.c), Positive);
             check(section, "mu", Some(tyre.mu), Positive);
         }
+        let flows = self.cd > 0.0 || self.cl_front > 0.0 || self.cl_rear > 0.0;
+        for (key, value) in [("area_m2", self.area), ("rho_kgpm3", self.rho)] {
+            if flows && value == 0.0 {
+                problems.push(ParamProblem {
+                    section: "",
+                    key,
+                    found: value.to_string(),
+                    expected: "a number above 0, because cd or cl_* is not 0",
+                    line: None,
+                });
+            }
+        }
         let blend_off = self.blend_speed_low == 0.0 && self.blend_speed_high == 0.0;
         if !blend_off && self.blend_speed_low >= self.blend_speed_high {
             problems.push(ParamProblem {

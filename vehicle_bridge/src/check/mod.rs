@@ -1,0 +1,111 @@
+//! Finds every problem of a configuration, car or track file, not only the first.
+
+mod kinds;
+mod source;
+
+use std::fmt;
+use std::fs;
+use std::path::Path;
+
+use serde::Serialize;
+
+/// Kind of a file, recognised from its content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Configuration of the controller.
+    Configuration,
+    /// Parameters of a car.
+    Car,
+    /// A track.
+    Track,
+    /// Not known: it could not be read.
+    Unknown,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Configuration => "configuration",
+            Self::Car => "car",
+            Self::Track => "track",
+            Self::Unknown => "file",
+        })
+    }
+}
+
+/// One problem.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// Line, from 1, where it is known.
+    pub line: Option<usize>,
+    /// Column, from 1, where it is known.
+    pub column: Option<usize>,
+    /// What was found and what is allowed.
+    pub message: String,
+}
+
+impl Finding {
+    /// A problem whose place is not known, or stands in the message.
+    fn of(message: String) -> Self {
+        Self { line: None, column: None, message }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.line, self.column) {
+            (Some(line), Some(column)) => write!(f, "line {line}, column {column}: ")?,
+            (Some(line), None) => write!(f, "line {line}: ")?,
+            _ => {}
+        }
+        f.write_str(&self.message)
+    }
+}
+
+/// What was found in a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Checked {
+    /// The file.
+    pub file: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Its problems, by line.
+    pub problems: Vec<Finding>,
+}
+
+/// Checks a file.
+#[must_use]
+pub fn check_file(path: &Path) -> Checked {
+    let file = path.display().to_string();
+    let unreadable = |message: String| Checked {
+        file: file.clone(),
+        kind: Kind::Unknown,
+        problems: vec![Finding { line: None, column: None, message }],
+    };
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => return unreadable(format!("cannot be read: {error}")),
+    };
+    match String::from_utf8(bytes) {
+        Ok(text) => check_text(&file, &text),
+        Err(error) => {
+            let byte = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..byte].iter().filter(|&&b| b == b'\n').count() + 1;
+            unreadable(format!("is no text: line {line} has a byte that is not UTF-8"))
+        }
+    }
+}
+
+/// Checks the text of a file of this name.
+#[must_use]
+pub fn check_text(file: &str, text: &str) -> Checked {
+    let kind = kinds::recognise(file, text);
+    let mut problems = match kind {
+        Kind::Configuration | Kind::Unknown => kinds::configuration(text),
+        Kind::Car => kinds::car(text),
+        Kind::Track => kinds::track(file, text),
+    };
+    problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
+    Checked { file: file.to_owned(), kind, problems }
+}

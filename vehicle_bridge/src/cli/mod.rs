@@ -1,0 +1,99 @@
+//! Command line of `lmpc`: the definitions that parsing, help and completions share.
+
+mod race;
+mod study;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use race::{ControllerArgs, RaceArgs};
+pub use study::{StudyArgs, StudyName};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  failed: a file is missing or wrong, an output could not be written
+  2  the command line is wrong
+  3  ran, but degraded: the car failed, left the track, or fell back
+
+Results go to standard output, everything else to standard error.";
+
+/// Racing LMPC: a controller that learns its car and drives faster lap after lap.
+#[derive(Debug, Parser)]
+#[command(name = "lmpc", version, about, after_help = EXIT_CODES, arg_required_else_help = true)]
+pub struct Cli {
+    /// When to use colour; NO_COLOR is respected
+    #[arg(long, global = true, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]
+    pub color: Color,
+    /// Say nothing on standard error but errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Race a simulated car faster than real time: it learns lap after lap
+    Race(Box<RaceArgs>),
+    /// Repeat a study of the paper over many seeds
+    Study(Box<StudyArgs>),
+    /// Find every problem of configuration, track and car files at once
+    Check(CheckArgs),
+    /// Print a completion script for a shell
+    Completions(CompletionsArgs),
+}
+
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  lmpc check race.toml
+  lmpc check race.toml my_car.toml oval.csv --json
+
+The kind of a file is recognised from its content: configuration, car or track in TOML,
+track in CSV or TTL. Exit code 1 if any file has a problem.";
+
+/// Options of `lmpc check`.
+#[derive(Debug, Args)]
+#[command(after_help = CHECK_EXAMPLES)]
+pub struct CheckArgs {
+    /// Files to check
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print the problems as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `lmpc completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  lmpc completions bash > /etc/bash_completion.d/lmpc")]
+pub struct CompletionsArgs {
+    /// Shell
+    pub shell: clap_complete::Shell,
+}
+
+/// When to use colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+impl Color {
+    /// Makes this the choice of both standard streams.
+    pub fn apply(self) {
+        let choice = match self {
+            Self::Auto => anstream::ColorChoice::Auto,
+            Self::Always => anstream::ColorChoice::Always,
+            Self::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}

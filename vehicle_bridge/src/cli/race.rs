@@ -1,0 +1,152 @@
+//! Options of `lmpc race`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use controller::config::{NominalModel, RegressionMode};
+
+const EXAMPLES: &str = "\
+Examples:
+  lmpc race                                  the defaults: small car, L track, 20 laps
+  lmpc race --laps 50 --seeds 10             ten seeds side by side, with a summary
+  lmpc race --regression nominal             the same car without learning its model
+  lmpc race --plant mu=0.7,delay=0.1         less grip and late actuators
+  lmpc race --set horizon.steps=12           any key of the configuration
+  lmpc race --laps 10 --save today.lmpc      keep what was learned ...
+  lmpc race --laps 10 --load today.lmpc      ... and drive on from there";
+
+const PLANT_HELP: &str = "\
+Change the simulated car that the controller does not see, as NAME=VALUE,...:
+  mu=X        grip of both axles
+  mu_f=X mu_r=X          grip of one axle
+  mass=KG     mass
+  iz=KGM2     yaw inertia
+  b_f=X c_f=X b_r=X c_r=X   tyre stiffness and shape factors, front and rear
+  delay=S     actuation delay
+  lag=S       time constant of both actuators
+  noise=SIGMA sensor noise of position [m], heading [rad] and, tenfold, velocities
+  disturb=SIGMA  velocity disturbance in each period [m/s]";
+
+/// Options of `lmpc race`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RaceArgs {
+    /// What drives, where, and what it is told.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// Laps to drive after the warm-up laps
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub laps: u32,
+    /// Seed of the noise in the warm-up laps and of the simulated car
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+    /// Run this many seeds, from --seed on, in parallel
+    #[arg(long, value_name = "N", conflicts_with_all = ["load", "save"], value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub seeds: Option<u32>,
+    /// Seeds driven at the same time; by default one for each processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: Option<u32>,
+    /// Learned data to start from; refused if car, track or configuration differ
+    #[arg(long, value_name = "FILE")]
+    pub load: Option<PathBuf>,
+    /// Where to keep the learned data; an earlier file stays as FILE.bak
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Folder for laps.csv, trajectory.csv, timings.csv and report.html
+    #[arg(long, default_value = "out/race", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What drives, where, and what it is told about its car.
+#[derive(Debug, Args)]
+pub struct ControllerArgs {
+    /// Configuration file; its keys override the preset it names
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Named set of settings
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub preset: Option<PresetName>,
+    /// Car: a name or a file
+    #[arg(long, default_value = "barc", value_name = "NAME|FILE")]
+    pub car: String,
+    /// Track: a name or a file
+    #[arg(long, default_value = "l", value_name = "NAME|FILE")]
+    pub track: String,
+    /// What is learned: the nominal model's error, the whole velocity rows, or nothing
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub regression: Option<RegressionName>,
+    /// Equations of the nominal model
+    #[arg(long, value_enum, value_name = "MODEL")]
+    pub nominal: Option<NominalName>,
+    /// Kernel bandwidth h of the regression
+    #[arg(long, value_name = "H")]
+    pub bandwidth: Option<f64>,
+    /// Cost of the control rate, c_du ("CRC" in the paper)
+    #[arg(long, value_name = "C")]
+    pub control_rate_cost: Option<f64>,
+    /// Do not fit the nominal model's grip after each lap
+    #[arg(long)]
+    pub no_grip_adaptation: bool,
+    /// Grip the controller believes in; by default 1.2 for the small car, whose true grip is
+    /// 0.9, and the car's own for every other
+    #[arg(long, value_name = "MU")]
+    pub nominal_mu: Option<f64>,
+    /// Changes of the simulated car.
+    #[arg(long, value_name = "NAME=VALUE,..", value_delimiter = ',', long_help = PLANT_HELP,
+          help = "Change the simulated car, e.g. mu=0.7,delay=0.1 (more with --help)")]
+    pub plant: Vec<String>,
+    /// Set any key of the configuration; may be repeated
+    #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// Names of the presets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PresetName {
+    /// As close to the paper as is known.
+    Paper,
+    /// The fastest that is safe.
+    Race,
+}
+
+/// Names of the regression modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RegressionName {
+    /// Error of the nominal model.
+    Error,
+    /// Velocity rows without a nominal model.
+    Full,
+    /// Nothing.
+    Nominal,
+}
+
+/// Names of the nominal models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum NominalName {
+    /// Dynamic bicycle.
+    Dynamic,
+    /// Kinematic bicycle.
+    Kinematic,
+}
+
+impl From<RegressionName> for RegressionMode {
+    fn from(name: RegressionName) -> Self {
+        match name {
+            RegressionName::Error => Self::Error,
+            RegressionName::Full => Self::Full,
+            RegressionName::Nominal => Self::Nominal,
+        }
+    }
+}
+
+impl From<NominalName> for NominalModel {
+    fn from(name: NominalName) -> Self {
+        match name {
+            NominalName::Dynamic => Self::Dynamic,
+            NominalName::Kinematic => Self::Kinematic,
+        }
+    }
+}

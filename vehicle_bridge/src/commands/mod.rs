@@ -1,0 +1,57 @@
+//! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
+
+mod check;
+mod race;
+mod race_table;
+mod seeds;
+mod setup;
+mod study;
+
+use anyhow::Result;
+use clap::CommandFactory as _;
+
+use crate::cli::{Cli, Command};
+use crate::console::Talk;
+
+/// How a command ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// All well.
+    Done,
+    /// It did its work and found problems in what it was given.
+    Problems,
+    /// It ran, but the car failed, left the track, or fell back.
+    Degraded,
+}
+
+impl Outcome {
+    /// Exit code of the process.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Problems => 1,
+            Self::Degraded => 3,
+        }
+    }
+}
+
+/// Runs a command line.
+///
+/// # Errors
+/// What the user has to put right, in words.
+pub fn run(cli: Cli) -> Result<Outcome> {
+    let talk = Talk { quiet: cli.quiet };
+    match cli.command {
+        Command::Race(args) => race::run(&args, talk),
+        Command::Study(args) => study::run(&args, talk),
+        Command::Check(args) => check::run(&args),
+        Command::Completions(args) => {
+            // Into memory first: the generator panics if its output is closed.
+            let mut script = Vec::new();
+            clap_complete::generate(args.shell, &mut Cli::command(), "lmpc", &mut script);
+            std::io::Write::write_all(&mut std::io::stdout(), &script)?;
+            Ok(Outcome::Done)
+        }
+    }
+}

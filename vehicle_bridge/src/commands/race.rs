@@ -1,0 +1,189 @@
+//! `lmpc race`.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use serde_json::json;
+
+use super::race_table::{LapTable, head};
+use super::{Outcome, seeds, setup};
+use crate::cli::RaceArgs;
+use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
+use crate::race::record::{StepRow, is_fallback};
+use crate::race::words::{action_word, kind_word, mode_word, model_word, reason_word};
+use crate::race::{Race, RaceOptions, files, learned};
+use crate::report::{Report, best_lap};
+
+/// Races once, or over several seeds.
+pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
+    let mut options = setup::race(&args.controller, args.laps)?;
+    if let Some(count) = args.seeds {
+        return seeds::run(args, &options, count, talk);
+    }
+    options.seed = args.seed;
+    options.config.warm_up.seed = args.seed;
+    fs::create_dir_all(&args.out)
+        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    let lead = lead(&options);
+    talk.say(&lead);
+    let mut race = Race::new(options.clone())?;
+    if let Some(path) = &args.load {
+        learned::load(path, race.controller_mut())?;
+        talk.say(&format!(
+            "{} laps loaded from {}",
+            race.controller().laps().len(),
+            path.display()
+        ));
+    }
+    drive(&mut race, args.json, talk)?;
+    write(&args.out, &race, &options, &lead)?;
+    if let Some(path) = &args.save {
+        learned::save(path, race.controller())?;
+        talk.say(&format!("learned data saved to {}", path.display()));
+    }
+    if args.json {
+        result(&serde_json::to_string_pretty(&summary(&race, &args.out))?)?;
+    } else {
+        for line in account(&race) {
+            result(&line)?;
+        }
+        result(&format!("report: {}", args.out.join("report.html").display()))?;
+    }
+    Ok(outcome(&race))
+}
+
+/// Drives; the table goes to standard output unless that is to hold JSON.
+fn drive(race: &mut Race, json: bool, talk: Talk) -> Result<()> {
+    let print = |line: &str| -> std::io::Result<()> {
+        if json {
+            talk.say(line);
+            return Ok(());
+        }
+        result(line)
+    };
+    print(&head())?;
+    let mut table = LapTable::default();
+    let mut closed = Ok(());
+    race.run(|lap| {
+        if closed.is_ok() {
+            closed = print(&table.line(lap));
+        }
+    });
+    Ok(closed?)
+}
+
+/// What was run, in a sentence.
+pub(super) fn lead(options: &RaceOptions) -> String {
+    let (config, car) = (&options.config, &options.nominal);
+    let (plant, track) = (&options.plant.car, &options.track);
+    format!(
+        "{} on {} ({:.2} m), {} warm-up and {} learning laps, {} regression, {} nominal model, \
+         nominal grip {:.2}, true grip {:.2}, seed {}",
+        plant.name,
+        track.name(),
+        track.length(),
+        config.warm_up.laps,
+        options.laps,
+        mode_word(config.regression.mode),
+        model_word(config.nominal.model),
+        car.tyre_front.mu,
+        plant.tyre_front.mu,
+        options.seed
+    )
+}
+
+/// Writes every file of a race.
+pub(super) fn write(out: &Path, race: &Race, options: &RaceOptions, lead: &str) -> Result<()> {
+    let at = |name: &str| out.join(name);
+    let failed = |name: &str| format!("cannot write {}", at(name).display());
+    files::write_laps(&at("laps.csv"), &race.laps).with_context(|| failed("laps.csv"))?;
+    files::write_trajectory(&at("trajectory.csv"), &race.steps)
+        .with_context(|| failed("trajectory.csv"))?;
+    files::write_timings(&at("timings.csv"), &race.steps, &race.times)
+        .with_context(|| failed("timings.csv"))?;
+    let report = Report {
+        car: &options.plant.car.name,
+        track: &options.track,
+        config: &options.config,
+        lead,
+        laps: &race.laps,
+        steps: &race.steps,
+        times: &race.times,
+        failure: race.failure.as_ref(),
+    };
+    fs::write(at("report.html"), report.html()).with_context(|| failed("report.html"))
+}
+
+/// How the race went, in words.
+fn account(race: &Race) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(best) = best_lap(&race.laps) {
+        let text = format!("best lap {:.3} s (lap {})", best.result.lap_time, best.result.lap);
+        lines.push(paint(BEST, &text));
+    }
+    if let Some(failure) = &race.failure {
+        lines.push(paint(BAD, &format!("failed: {failure}")));
+    }
+    for (reason, count) in fallbacks(&race.steps) {
+        lines.push(paint(WARN, &format!("fell back in {count} steps: {reason}")));
+    }
+    if lines.is_empty() {
+        lines.push(paint(SOFT, "no learning lap was finished"));
+    }
+    lines
+}
+
+/// Fallbacks by action and reason.
+fn fallbacks(steps: &[StepRow]) -> std::collections::BTreeMap<String, usize> {
+    let mut counts = std::collections::BTreeMap::new();
+    for status in steps.iter().map(|row| &row.status).filter(|s| is_fallback(s)) {
+        let name = format!("{} ({})", action_word(status.action), reason_word(status.reason));
+        *counts.entry(name).or_default() += 1;
+    }
+    counts
+}
+
+/// Whether the race was degraded.
+pub(super) fn outcome(race: &Race) -> Outcome {
+    let fell_back = race.steps.iter().any(|row| is_fallback(&row.status));
+    if race.failure.is_some() || fell_back { Outcome::Degraded } else { Outcome::Done }
+}
+
+fn summary(race: &Race, out: &Path) -> serde_json::Value {
+    let laps: Vec<_> = race
+        .laps
+        .iter()
+        .map(|lap| {
+            json!({
+                "lap": lap.result.lap,
+                "kind": kind_word(lap.result.kind),
+                "iteration": lap.iteration,
+                "lap_time_s": lap.result.lap_time,
+                "valid": lap.result.valid,
+                "v_max_mps": lap.v_max,
+                "e_y_max_m": lap.e_y_max,
+                "fallbacks": lap.fallbacks,
+                "clipped": lap.clipped,
+            })
+        })
+        .collect();
+    let failure = race.failure.as_ref().map(|f| {
+        json!({
+            "reason": f.reason.as_str(),
+            "iteration": f.iteration,
+            "time_s": f.time,
+            "s_m": f.s,
+            "e_y_m": f.e_y,
+            "message": f.to_string(),
+        })
+    });
+    json!({
+        "laps": laps,
+        "best_lap_s": best_lap(&race.laps).map(|lap| lap.result.lap_time),
+        "failure": failure,
+        "fallbacks": fallbacks(&race.steps),
+        "grip": race.controller().grip(),
+        "out": out.display().to_string(),
+    })
+}

@@ -1,0 +1,144 @@
+//! `lmpc race --seeds`: the same race with several seeds.
+
+use std::fs;
+
+use anyhow::{Context as _, Result};
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use serde_json::json;
+
+use super::Outcome;
+use super::race::{lead, outcome, write};
+use crate::cli::RaceArgs;
+use crate::console::{BAD, GOOD, Talk, paint, result};
+use crate::parallel::{parallel, threads};
+use crate::race::record::{is_fallback, median};
+use crate::race::{Race, RaceOptions};
+use crate::report::best_lap;
+
+/// What is kept of each seed.
+struct Seed {
+    seed: u64,
+    learned: usize,
+    lap_5: Option<f64>,
+    lap_10: Option<f64>,
+    lap_20: Option<f64>,
+    last: Option<f64>,
+    best: Option<f64>,
+    failure: Option<String>,
+    fallbacks: usize,
+    outcome: Outcome,
+}
+
+/// Races every seed and sums up.
+pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -> Result<Outcome> {
+    let seeds: Vec<u64> = (0..u64::from(count)).map(|i| args.seed + i).collect();
+    talk.say(&lead(base));
+    let mut done: Vec<Seed> = Vec::new();
+    let work = |&seed: &u64| -> Result<Seed> {
+        let mut options = base.clone();
+        options.seed = seed;
+        options.config.warm_up.seed = seed;
+        let mut race = Race::new(options.clone())?;
+        race.run(|_| {});
+        let folder = args.out.join(format!("seed-{seed}"));
+        fs::create_dir_all(&folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        write(&folder, &race, &options, &lead(&options))?;
+        Ok(sum_up(seed, &race))
+    };
+    parallel(&seeds, threads(args.jobs), work, |_, seed| -> Result<()> {
+        let seed = seed?;
+        let end = seed.failure.clone().unwrap_or_else(|| "done".to_owned());
+        let best = seed.best.map_or("-".to_owned(), |b| format!("{b:.3} s"));
+        talk.say(&format!("seed {}: best {best}, {end}", seed.seed));
+        done.push(seed);
+        Ok(())
+    })?;
+    done.sort_by_key(|seed| seed.seed);
+    if args.json {
+        result(&serde_json::to_string_pretty(&as_json(&done))?)?;
+    } else {
+        result(&table(&done).to_string())?;
+        let failed = done.iter().filter(|s| s.failure.is_some()).count();
+        let style = if failed == 0 { GOOD } else { BAD };
+        result(&paint(style, &format!("{failed} of {} runs failed", done.len())))?;
+        result(&format!("reports: {}", args.out.join("seed-*/report.html").display()))?;
+    }
+    let degraded = done.iter().any(|s| s.outcome == Outcome::Degraded);
+    Ok(if degraded { Outcome::Degraded } else { Outcome::Done })
+}
+
+fn sum_up(seed: u64, race: &Race) -> Seed {
+    let learned: Vec<f64> =
+        race.laps.iter().filter(|l| l.is_learning()).map(|l| l.result.lap_time).collect();
+    Seed {
+        seed,
+        learned: learned.len(),
+        lap_5: learned.get(4).copied(),
+        lap_10: learned.get(9).copied(),
+        lap_20: learned.get(19).copied(),
+        last: learned.last().copied(),
+        best: best_lap(&race.laps).map(|lap| lap.result.lap_time),
+        failure: race.failure.as_ref().map(ToString::to_string),
+        fallbacks: race.steps.iter().filter(|row| is_fallback(&row.status)).count(),
+        outcome: outcome(race),
+    }
+}
+
+fn table(seeds: &[Seed]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "seed",
+        "laps",
+        "lap 5",
+        "lap 10",
+        "lap 20",
+        "last",
+        "best",
+        "fell back",
+        "failure",
+    ]);
+    let time = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{t:.3}"));
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    for s in seeds {
+        let times = [s.lap_5, s.lap_10, s.lap_20, s.last, s.best].map(time);
+        let mut row = vec![right(s.seed.to_string()), right(s.learned.to_string())];
+        row.extend(times.map(right));
+        row.push(right(s.fallbacks.to_string()));
+        row.push(Cell::new(s.failure.clone().unwrap_or_default()));
+        table.add_row(row);
+    }
+    let middle = |of: fn(&Seed) -> Option<f64>| {
+        let value = median(&mut seeds.iter().filter_map(of).collect::<Vec<f64>>());
+        right(if value.is_nan() { "-".to_owned() } else { format!("{value:.3}") })
+    };
+    table.add_row([
+        right("median".to_owned()),
+        right(String::new()),
+        middle(|s| s.lap_5),
+        middle(|s| s.lap_10),
+        middle(|s| s.lap_20),
+        middle(|s| s.last),
+        middle(|s| s.best),
+    ]);
+    table
+}
+
+fn as_json(seeds: &[Seed]) -> serde_json::Value {
+    let rows: Vec<_> = seeds
+        .iter()
+        .map(|s| {
+            json!({
+                "seed": s.seed,
+                "laps_completed": s.learned,
+                "lap_20_s": s.lap_20,
+                "last_lap_s": s.last,
+                "best_lap_s": s.best,
+                "failure": s.failure,
+                "fallbacks": s.fallbacks,
+            })
+        })
+        .collect();
+    json!({ "seeds": rows })
+}

@@ -1,0 +1,71 @@
+//! From the command line to a race.
+
+use anyhow::{Result, bail};
+use controller::Config;
+use vehicle_model::PlantParams;
+
+use crate::cli::ControllerArgs;
+use crate::race::{ModelErrorAt, RaceOptions, change_plant, load};
+use crate::settings::{Layers, Usage};
+
+/// The small car drives with less grip than its controller is told (the paper's mismatch).
+pub(super) const SMALL_CAR: &str = "barc";
+const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
+
+/// The race the options describe, with seed 0.
+pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
+    let car = load::car(&args.car)?;
+    let track = load::track(&args.track)?;
+    let mut plant = PlantParams::new(car.clone());
+    change_plant(&mut plant, &args.plant)?;
+    let default_mu = (args.car == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
+    let nominal = match args.nominal_mu.or(default_mu) {
+        Some(mu) if !(mu > 0.0 && mu.is_finite()) => {
+            bail!(Usage(format!("--nominal-mu {mu}: expected a number above 0")))
+        }
+        Some(mu) => car.with_mu(mu),
+        None => car,
+    };
+    let config = config(args)?;
+    Ok(RaceOptions {
+        laps,
+        plant,
+        model_error: ModelErrorAt::Now,
+        ..RaceOptions::new(config, nominal, track)
+    })
+}
+
+fn config(args: &ControllerArgs) -> Result<Config> {
+    let mut layers = Layers::default();
+    if let Some(path) = &args.config {
+        layers.file(path)?;
+    }
+    if let Some(preset) = args.preset {
+        layers.preset(word(preset).as_str());
+    }
+    if let Some(mode) = args.regression {
+        layers.insert("regression", "mode", word(mode));
+    }
+    if let Some(model) = args.nominal {
+        layers.insert("nominal", "model", word(model));
+    }
+    // As options like any other key, so that a wrong value is the command line's fault.
+    if let Some(h) = args.bandwidth {
+        layers.set(&format!("regression.bandwidth={h:?}"))?;
+    }
+    if let Some(cost) = args.control_rate_cost {
+        layers.set(&format!("cost.control_rate={cost:?}"))?;
+    }
+    if args.no_grip_adaptation {
+        layers.insert("nominal", "adapt_grip", false);
+    }
+    for assignment in &args.set {
+        layers.set(assignment)?;
+    }
+    layers.build()
+}
+
+/// A name as the command line has it, which is also the configuration's.
+fn word(value: impl clap::ValueEnum) -> String {
+    value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+}

@@ -1,0 +1,88 @@
+//! `lmpc study`.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::Outcome;
+use crate::cli::StudyArgs;
+use crate::console::{Talk, result};
+use crate::parallel::{parallel, threads};
+use crate::study::{Cell, Definition, Ledger, Plan, RunRow, page, run_one, summarize, text_table};
+
+/// Runs what is missing of a study and prints its table.
+pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
+    let study = Definition::of(args.name)?;
+    let plans = Plan::of(&study, &args.set, args.seeds, args.laps)?;
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("out/study-{}", args.name.as_str())));
+    let keys: Vec<_> = plans.iter().map(Plan::key).collect();
+    let mut ledger = Ledger::open(&out, |run| !args.fresh && keys.contains(&run.key()))?;
+    let done: Vec<_> = ledger.runs.iter().map(RunRow::key).collect();
+    let missing: Vec<&Plan> = plans.iter().filter(|plan| !done.contains(&plan.key())).collect();
+    talk.say(&format!(
+        "{}: {} runs, {} kept from {}",
+        study.title,
+        plans.len(),
+        done.len(),
+        out.display()
+    ));
+
+    let bar = progress(plans.len() as u64, done.len() as u64, talk);
+    let ran = parallel(
+        &missing,
+        threads(args.jobs),
+        |plan| run_one(plan),
+        |_, run| -> Result<()> {
+            let (run, laps) = run?;
+            bar.set_message(format!(
+                "{} {} h {} seed {}: {}",
+                run.regression,
+                run.control_rate_cost,
+                run.bandwidth,
+                run.seed,
+                run.itf.map_or_else(
+                    || run.best_lap_s.map_or(String::new(), |b| format!("{b:.2} s")),
+                    |lap| format!("failed in lap {lap}"),
+                )
+            ));
+            ledger.add(run, laps)?;
+            bar.inc(1);
+            Ok(())
+        },
+    );
+    bar.finish_and_clear();
+    ran?;
+    ledger.sort(&keys)?;
+
+    let mut cells: Vec<Cell> = plans.iter().map(|plan| plan.cell.clone()).collect();
+    cells.dedup();
+    let summaries = summarize(&study, &cells, &ledger.runs);
+    let report = out.join("report.html");
+    fs::write(&report, page(&study, &summaries, &ledger.runs, &ledger.laps))
+        .with_context(|| format!("cannot write {}", report.display()))?;
+    if args.json {
+        result(&serde_json::to_string_pretty(&summaries)?)?;
+    } else {
+        result(&study.title)?;
+        result(&text_table(&summaries))?;
+        result(&format!("runs: {}, report: {}", out.join("runs.csv").display(), report.display()))?;
+    }
+    // A study in which cars fail has done its work: that is what it measures.
+    Ok(Outcome::Done)
+}
+
+fn progress(runs: u64, done: u64, talk: Talk) -> ProgressBar {
+    let target =
+        if talk.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(runs), target);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {eta} {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.set_position(done);
+    bar
+}

@@ -1,0 +1,50 @@
+//! Cars and tracks by the name of one that ships with the product, or from a file.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, bail};
+use vehicle_model::{CarParams, Track};
+
+/// The car of this name or file.
+///
+/// # Errors
+/// If there is neither, or the file is wrong.
+pub fn car(name: &str) -> Result<CarParams> {
+    if CarParams::builtin_names().contains(&name) {
+        return Ok(CarParams::builtin(name)?);
+    }
+    let text = text_of("car", name, &CarParams::builtin_names())?;
+    CarParams::from_toml(&text).with_context(|| hint(name))
+}
+
+/// The track of this name or file.
+///
+/// # Errors
+/// If there is neither, or the file is wrong.
+pub fn track(name: &str) -> Result<Arc<Track>> {
+    if let Some(track) = Track::builtin(name) {
+        return Ok(Arc::new(track));
+    }
+    let names: Vec<&str> = Track::builtin_names().collect();
+    let text = text_of("track", name, &names)?;
+    Ok(Arc::new(Track::parse(name, &text).with_context(|| hint(name))?))
+}
+
+fn text_of(what: &str, name: &str, builtin: &[&str]) -> Result<String> {
+    let path = Path::new(name);
+    if !path.exists() {
+        bail!(
+            "there is no {what} file `{name}`, and no {what} of that name ships with lmpc; \
+             expected a file or one of {}",
+            builtin.join(", ")
+        );
+    }
+    let bytes = fs::read(path).with_context(|| format!("cannot read {name}"))?;
+    String::from_utf8(bytes).with_context(|| format!("{name} is no text file"))
+}
+
+fn hint(name: &str) -> String {
+    format!("{name} (`lmpc check {name}` lists every problem)")
+}

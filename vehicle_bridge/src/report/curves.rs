@@ -1,0 +1,165 @@
+//! Charts over laps and along the lap.
+
+use controller::Config;
+
+use super::{LapView, Optimal};
+use crate::page::scale::Kind;
+use crate::page::{Chart, Mark, Reference, Series};
+use crate::race::record::{LapRow, StepRow};
+use crate::race::timing::{PHASES, StepTime, percentile};
+
+/// Lap time over laps, with the best so far and what is known to be possible.
+#[must_use]
+pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
+    let mut chart = Chart::new("lap", "lap time [s]");
+    let points = |keep: fn(&LapRow) -> bool| -> Vec<(f64, f64)> {
+        let kept = laps.iter().filter(|lap| keep(lap));
+        kept.map(|lap| (f64::from(lap.result.lap), lap.result.lap_time)).collect()
+    };
+    let mut best = f64::INFINITY;
+    let so_far = laps.iter().filter(|lap| lap.is_learning() && lap.result.valid).map(|lap| {
+        best = best.min(lap.result.lap_time);
+        (f64::from(lap.result.lap), best)
+    });
+    let so_far: Vec<(f64, f64)> = so_far.collect();
+    chart.series.push(Series::new("warm-up", "soft", Mark::DotLine, points(|l| !l.is_learning())));
+    chart.series.push(Series::new("learning", "s0", Mark::DotLine, points(LapRow::is_learning)));
+    chart.series.push(Series::new("best so far", "best dashed", Mark::Line, so_far));
+    if let Some(optimal) = optimal {
+        let label = format!("time-optimal {:.3} s", optimal.lap_time);
+        chart.references.push(Reference { y: optimal.lap_time, label });
+    }
+    chart.html()
+}
+
+/// Learned laps only: what the warm-up laps' scale hides.
+#[must_use]
+pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> Option<String> {
+    let learned: Vec<LapRow> =
+        laps.iter().filter(|lap| lap.is_learning()).skip(2).cloned().collect();
+    (learned.len() > 3).then(|| {
+        let mut chart = Chart::new("lap", "lap time [s]");
+        let points = learned.iter().map(|l| (f64::from(l.result.lap), l.result.lap_time)).collect();
+        chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
+        if let Some(optimal) = optimal {
+            let label = format!("time-optimal {:.3} s", optimal.lap_time);
+            chart.references.push(Reference { y: optimal.lap_time, label });
+        }
+        chart.html()
+    })
+}
+
+/// Error of the learned model over laps.
+#[must_use]
+pub(super) fn model_error(laps: &[LapRow]) -> String {
+    let mut chart = Chart::new("lap", "|A_learned - A_car| (Frobenius)");
+    let over = |value: fn(&LapRow) -> f64| {
+        let learned = laps.iter().filter(|lap| lap.is_learning());
+        learned.map(|lap| (f64::from(lap.result.lap), value(lap))).collect::<Vec<_>>()
+    };
+    chart.y_kind = Kind::Log;
+    chart.series.push(Series::new(
+        "median of the lap",
+        "s0",
+        Mark::DotLine,
+        over(|l| l.model_error_median),
+    ));
+    chart.series.push(Series::new(
+        "mean of the lap",
+        "s1 dashed",
+        Mark::Line,
+        over(|l| l.model_error_mean),
+    ));
+    chart.html()
+}
+
+/// Something along the lap, for every lap, hidden and shown by the lap chooser.
+#[must_use]
+pub(super) fn along(
+    laps: &[LapView<'_>],
+    y_label: &str,
+    value: impl Fn(&StepRow) -> f64,
+    optimal: Option<Vec<(f64, f64)>>,
+    references: Vec<Reference>,
+) -> String {
+    let mut chart = Chart::new("s [m]", y_label);
+    chart.height = 230.0;
+    for lap in laps {
+        let points = lap.steps.iter().map(|row| (row.x.s, value(row))).collect();
+        let class = if lap.best { "best".to_owned() } else { format!("s{}", lap.number % 6) };
+        chart.series.push(Series {
+            label: None,
+            class,
+            title: lap.title.clone(),
+            lap: Some(lap.number),
+            mark: Mark::Line,
+            points,
+        });
+    }
+    if let Some(points) = optimal {
+        chart.series.push(Series {
+            label: None,
+            ..Series::new("time-optimal lap", "optimal", Mark::Line, points)
+        });
+    }
+    chart.references = references;
+    chart.html()
+}
+
+/// Slip-guard limits as reference lines.
+#[must_use]
+pub(super) fn guards(config: &Config) -> Vec<Reference> {
+    let (front, rear) = (config.limits.front_slip, config.limits.rear_slip);
+    let mut lines = Vec::new();
+    if front > 0.0 {
+        lines.push(Reference { y: front, label: format!("front guard {front}") });
+    }
+    if rear > 0.0 && (rear - front).abs() > 1e-12 {
+        lines.push(Reference { y: rear, label: format!("rear guard {rear}") });
+    }
+    lines
+}
+
+/// Histogram of the step times.
+#[must_use]
+pub(super) fn step_times(times: &[StepTime]) -> String {
+    let mut totals: Vec<f64> = times.iter().map(|t| t.total * 1e3).collect();
+    totals.sort_by(f64::total_cmp);
+    let top = percentile(&totals, 0.995).max(1e-3);
+    let bins = 60_usize;
+    let mut counts = vec![0_usize; bins];
+    for total in totals.iter().filter(|t| **t <= top) {
+        counts[((total / top * bins as f64) as usize).min(bins - 1)] += 1;
+    }
+    let mut chart = Chart::new("control step [ms] (slowest 0.5 % not drawn)", "steps");
+    chart.height = 220.0;
+    let points: Vec<(f64, f64)> = counts
+        .iter()
+        .enumerate()
+        .map(|(i, &n)| ((i as f64 + 0.5) * top / bins as f64, n as f64))
+        .collect();
+    let most = counts.iter().copied().max().unwrap_or(1) as f64;
+    chart.y_range = Some((0.0, 1.08 * most));
+    chart.series.push(Series::new("steps", "s0", Mark::Bars, points));
+    chart.html()
+}
+
+/// Percentiles of the step times by phase, as rows of a table.
+#[must_use]
+pub(super) fn step_table(times: &[StepTime]) -> Vec<Vec<String>> {
+    let row = |name: &str, mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        let mut cells = vec![name.to_owned()];
+        for share in [0.5, 0.9, 0.99, 1.0] {
+            cells.push(format!("{:.3}", percentile(&values, share) * 1e3));
+        }
+        cells
+    };
+    let mut rows: Vec<Vec<String>> = PHASES
+        .iter()
+        .enumerate()
+        .map(|(i, phase)| row(phase.1, times.iter().map(|t| t.phases[i]).collect()))
+        .collect();
+    rows.push(row("whole step", times.iter().map(|t| t.total).collect()));
+    rows
+}

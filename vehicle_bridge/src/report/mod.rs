@@ -1,0 +1,248 @@
+//! The report of a race: one HTML file that needs nothing else.
+
+mod curves;
+mod map;
+mod optimal;
+mod tables;
+
+use std::fmt::Write as _;
+
+use controller::Config;
+use vehicle_model::Track;
+
+use crate::page::{card, escape, page, table};
+use crate::race::record::{Failure, LapRow, StepRow};
+use crate::race::timing::{StepTime, percentile};
+use crate::race::words::kind_word;
+
+pub use optimal::Optimal;
+
+/// What a report shows.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// Name of the car.
+    pub car: &'a str,
+    /// The track.
+    pub track: &'a Track,
+    /// The controller's configuration.
+    pub config: &'a Config,
+    /// What was run, in a sentence.
+    pub lead: &'a str,
+    /// Finished laps.
+    pub laps: &'a [LapRow],
+    /// Control steps.
+    pub steps: &'a [StepRow],
+    /// Their times.
+    pub times: &'a [StepTime],
+    /// How the run failed, if it did.
+    pub failure: Option<&'a Failure>,
+}
+
+/// One lap as charts and map show it.
+#[derive(Debug)]
+pub struct LapView<'a> {
+    /// Number of the lap.
+    pub number: u32,
+    /// Name when the mouse rests on it.
+    pub title: String,
+    /// Whether it is the fastest.
+    pub best: bool,
+    /// Whether it is shown at first.
+    pub shown: bool,
+    /// `warmup`, `learning` or `unfinished`.
+    pub kind: &'static str,
+    /// Lap time; none if it was not finished [s].
+    pub time: Option<f64>,
+    /// Its control steps.
+    pub steps: &'a [StepRow],
+}
+
+impl Report<'_> {
+    /// The report as HTML.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let optimal = Optimal::of(self.track);
+        let optimal = optimal.as_ref();
+        let views = self.views();
+        let off = self.failure.and(self.steps.last()).map(|row| (row.pose.x, row.pose.y));
+        let mut body = self.facts(optimal);
+        body.push_str(&chooser(&views));
+        let note = "Colour is speed; the dashed line is the time-optimal lap where one is known.";
+        body.push_str(&card("Track", note, &map::map(self.track, &views, optimal, off)));
+        let mut times = curves::lap_times(self.laps, optimal);
+        if let Some(detail) = curves::learned_lap_times(self.laps, optimal) {
+            times.push_str("<h2>From the third learned lap on</h2>\n");
+            times.push_str(&detail);
+        }
+        body.push_str(&card("Lap times", "", &times));
+        let line = |at: usize| optimal.map(|o| o.points.iter().map(|p| (p[0], p[at])).collect());
+        let mut speed = curves::along(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
+        speed.push_str(&curves::along(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
+        body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
+        let mut inputs = curves::along(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
+        inputs.push_str(&curves::along(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
+        body.push_str(&card("Inputs over the lap", "", &inputs));
+        body.push_str(&self.tyres(&views));
+        let note = "Distance between the learned linearisation and the simulated car's own, at \
+                    the same state and input.";
+        body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
+        let support = curves::along(
+            &views,
+            "sum of kernel weights",
+            |r| r.status.data_support_mean,
+            None,
+            Vec::new(),
+        );
+        let note = "How much driven data stands behind the model along the plan. 0: the nominal \
+                    model alone.";
+        body.push_str(&card("Data support", note, &support));
+        body.push_str(&self.step_times());
+        let note = "Every step that did not apply the optimal plan, or whose input was cut, and \
+                    every soft limit that gave way.";
+        body.push_str(&card(
+            "Clipped and fallen back",
+            note,
+            &tables::events(self.laps, self.steps),
+        ));
+        body.push_str(&card(
+            "Laps",
+            "",
+            &format!("<div class=\"wide\">{}</div>", tables::laps(self.laps)),
+        ));
+        body.push_str(&self.settings());
+        let title = format!("{} on {}", self.car, self.track.name());
+        page(&title, self.lead, &body, include_str!("report.js"))
+    }
+
+    fn views(&self) -> Vec<LapView<'_>> {
+        let best = best_lap(self.laps).map(|lap| lap.result.lap);
+        let first = self.laps.iter().find(|lap| lap.is_learning()).map(|lap| lap.result.lap);
+        let last = self.steps.last().map(|row| row.status.lap);
+        let shown = best.or(first).or(last);
+        self.steps
+            .chunk_by(|a, b| a.status.lap == b.status.lap)
+            .filter_map(|steps| {
+                let number = steps.first()?.status.lap;
+                let row = self.laps.iter().find(|lap| lap.result.lap == number);
+                let time = row.map(|lap| lap.result.lap_time);
+                let kind = row.map_or("unfinished", |lap| kind_word(lap.result.kind));
+                let time_text = time.map_or("not finished".to_owned(), |t| format!("{t:.3} s"));
+                Some(LapView {
+                    number,
+                    title: format!("lap {number}, {kind}, {time_text}"),
+                    best: Some(number) == best,
+                    shown: Some(number) == shown,
+                    kind,
+                    time,
+                    steps,
+                })
+            })
+            .collect()
+    }
+
+    fn facts(&self, optimal: Option<&Optimal>) -> String {
+        let mut facts = Vec::new();
+        let learned = self.laps.iter().filter(|lap| lap.is_learning()).count();
+        if let Some(best) = best_lap(self.laps) {
+            let time = best.result.lap_time;
+            facts.push((format!("{time:.3} s"), format!("best, lap {}", best.result.lap), ""));
+            if let Some(optimal) = optimal {
+                let ratio = format!("{:.3}", time / optimal.lap_time);
+                facts.push((ratio, format!("times the optimal {:.3} s", optimal.lap_time), ""));
+            }
+        }
+        facts.push((learned.to_string(), "laps learned".to_owned(), ""));
+        let off = usize::from(self.failure.is_some());
+        let tone = if off == 0 { "good" } else { "bad" };
+        let text = self.failure.map_or("stayed on the track".to_owned(), ToString::to_string);
+        facts.push((if off == 0 { "yes".into() } else { "failed".into() }, text, tone));
+        let fallbacks: usize = self.laps.iter().map(|lap| lap.fallbacks).sum();
+        let tone = if fallbacks == 0 { "good" } else { "bad" };
+        facts.push((fallbacks.to_string(), "steps fell back".to_owned(), tone));
+        let mut totals: Vec<f64> = self.times.iter().map(|t| t.total * 1e3).collect();
+        totals.sort_by(f64::total_cmp);
+        if !totals.is_empty() {
+            let median = percentile(&totals, 0.5);
+            let high = percentile(&totals, 0.99);
+            facts.push((format!("{median:.2} ms"), format!("a step; 99 % below {high:.2} ms"), ""));
+        }
+        let cards: String = facts
+            .iter()
+            .map(|(value, text, tone)| {
+                format!(
+                    "<div class=\"fact {tone}\"><b>{}</b><span>{}</span></div>\n",
+                    escape(value),
+                    escape(text)
+                )
+            })
+            .collect();
+        format!("<div class=\"facts\">\n{cards}</div>\n")
+    }
+
+    fn tyres(&self, views: &[LapView<'_>]) -> String {
+        let guards = curves::guards(self.config);
+        let mut out =
+            curves::along(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, guards.clone());
+        out.push_str(&curves::along(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, guards));
+        out.push_str(&curves::along(
+            views,
+            "lateral force used, front",
+            |r| r.use_f,
+            None,
+            Vec::new(),
+        ));
+        out.push_str(&curves::along(
+            views,
+            "lateral force used, rear",
+            |r| r.use_r,
+            None,
+            Vec::new(),
+        ));
+        card("Tyre use", "Slip angles, and the share of each axle's largest lateral force.", &out)
+    }
+
+    fn step_times(&self) -> String {
+        let mut out = curves::step_times(self.times);
+        let head = ["phase [ms]", "median", "90 %", "99 %", "longest"];
+        out.push_str(&table(&head, &curves::step_table(self.times)));
+        card("Control-step times", "On the machine that made this report.", &out)
+    }
+
+    fn settings(&self) -> String {
+        let text = toml::to_string(self.config).unwrap_or_default();
+        let content =
+            format!("<details><summary>Show</summary><pre>{}</pre></details>\n", escape(&text));
+        card("Configuration", "", &content)
+    }
+}
+
+/// The fastest valid learned lap.
+#[must_use]
+pub fn best_lap(laps: &[LapRow]) -> Option<&LapRow> {
+    laps.iter()
+        .filter(|lap| lap.is_learning() && lap.result.valid)
+        .min_by(|a, b| a.result.lap_time.total_cmp(&b.result.lap_time))
+}
+
+fn chooser(views: &[LapView<'_>]) -> String {
+    let mut buttons = String::new();
+    for view in views {
+        let time = view.time.map_or("…".to_owned(), |t| format!("{t:.2}"));
+        let best = if view.best { " class=\"best\"" } else { "" };
+        let _ = write!(
+            buttons,
+            "<button{best} data-choose=\"{}\" data-kind=\"{}\" aria-pressed=\"{}\" title=\"{}\">{} · {time}</button>",
+            view.number,
+            view.kind,
+            view.shown,
+            escape(&view.title),
+            view.number
+        );
+    }
+    format!(
+        "<section class=\"laps\">\n<h2>Laps shown</h2>\n<p>Click for one lap, Ctrl-click for \
+         several, arrow keys to go through them.</p>\n<div class=\"buttons\">\
+         <button data-all=\"all\">all</button><button data-all=\"learning\">learned</button>\
+         <button data-all=\"none\">none</button>{buttons}</div>\n</section>\n"
+    )
+}

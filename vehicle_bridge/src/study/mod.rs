@@ -1,0 +1,13 @@
+//! The studies of the paper, over many seeds.
+
+mod definition;
+mod ledger;
+mod plots;
+mod runs;
+mod table;
+
+pub use definition::{Cell, Definition, Paper};
+pub use ledger::{Ledger, RunRow, StudyLap};
+pub use plots::page;
+pub use runs::{Plan, run_one};
+pub use table::{CellSummary, summarize, text_table};
