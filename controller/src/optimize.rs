@@ -16,7 +16,7 @@ use crate::status::{Phase, Probe};
 pub(crate) struct Workspace {
     problem: Fhocp,
     solution: Solution,
-    solver: ClarabelSolver,
+    pub(crate) solver: ClarabelSolver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::controller::Controller;
+use crate::fhocp::SolverSeed;
 use crate::memory::Memory;
 
 /// State of a [`Controller`]: all it learned, its plan, the lap in progress. Cloning it is cheap
@@ -10,13 +11,14 @@ use crate::memory::Memory;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ControllerState {
     memory: Memory,
+    solver: Option<SolverSeed>,
 }
 
 impl Controller {
     /// The state now.
     #[must_use]
     pub fn state(&self) -> ControllerState {
-        ControllerState { memory: self.memory.clone() }
+        ControllerState { memory: self.memory.clone(), solver: self.work.solver.seed() }
     }
 
     /// Goes on from a state of a controller with the same configuration, car and track, bit for
@@ -28,6 +30,7 @@ impl Controller {
         if self.memory.derived.selected.is_empty() && !self.memory.dataset.laps.is_empty() {
             self.derive();
         }
+        self.work.solver.restore(state.solver.as_ref());
         self.prepared = false;
     }
 }

@@ -1,11 +1,14 @@
 //! The FHOCP solved by Clarabel: one solver object per shape, values written in place.
 
+use std::sync::Arc;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT,
     SolverStatus, ZeroConeT,
 };
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::layout::{Entries, Shape, state, walk};
 use super::{Fhocp, FhocpSolver, Solution, SolveReport};
@@ -18,9 +21,18 @@ pub struct ClarabelSolver {
     built: Option<Built>,
 }
 
+/// The problem a solver was first laid out for. Clarabel keeps the equilibration of that problem,
+/// so a solver that is to go on bit for bit must be laid out for the same one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SolverSeed {
+    shape: Shape,
+    pattern: Arc<Pattern>,
+}
+
 /// Solver and value arrays of one shape.
 struct Built {
     shape: Shape,
+    pattern: Arc<Pattern>,
     solver: DefaultSolver<f64>,
     values: Values,
 }
@@ -31,6 +43,22 @@ impl ClarabelSolver {
     #[must_use]
     pub fn new(config: SolverConfig) -> Self {
         Self { config, built: None }
+    }
+
+    /// What the solver was laid out for, if it was.
+    pub(crate) fn seed(&self) -> Option<SolverSeed> {
+        let built = self.built.as_ref()?;
+        Some(SolverSeed { shape: built.shape, pattern: Arc::clone(&built.pattern) })
+    }
+
+    /// Lays the solver out as another one was.
+    pub(crate) fn restore(&mut self, seed: Option<&SolverSeed>) {
+        let same = |b: &Built, s: &SolverSeed| b.shape == s.shape && b.pattern == s.pattern;
+        let kept = matches!((&self.built, seed), (Some(b), Some(s)) if same(b, s));
+        if !kept {
+            self.built = seed
+                .and_then(|s| Built::from_pattern(Arc::clone(&s.pattern), s.shape, &self.config));
+        }
     }
 }
 
@@ -66,6 +94,10 @@ impl Built {
     fn new(problem: &Fhocp, shape: Shape, config: &SolverConfig) -> Option<Self> {
         let mut pattern = Pattern::default();
         walk(problem, &shape, &mut pattern);
+        Self::from_pattern(Arc::new(pattern), shape, config)
+    }
+
+    fn from_pattern(pattern: Arc<Pattern>, shape: Shape, config: &SolverConfig) -> Option<Self> {
         let (n, m) = (shape.variables(), pattern.b.len());
         let mut q = vec![0.0; n];
         for &(variable, value) in &pattern.q {
@@ -75,9 +107,16 @@ impl Built {
         let (a, a_slots) = compress(m, n, &pattern.a);
         let cones = [ZeroConeT(shape.equalities()), NonnegativeConeT(m - shape.equalities())];
         let solver = DefaultSolver::new(&p, &q, &a, &pattern.b, &cones, settings(config)?).ok()?;
-        let values =
-            Values { p: p.nzval, q, a: a.nzval, b: pattern.b, p_slots, a_slots, at: [0; 3] };
-        Some(Self { shape, solver, values })
+        let values = Values {
+            p: p.nzval,
+            q,
+            a: a.nzval,
+            b: pattern.b.clone(),
+            p_slots,
+            a_slots,
+            at: [0; 3],
+        };
+        Some(Self { shape, pattern, solver, values })
     }
 
     fn update(&mut self, problem: &Fhocp) -> bool {
@@ -134,7 +173,7 @@ fn read(problem: &Fhocp, shape: &Shape, z: &[f64], solution: &mut Solution) {
 }
 
 /// Entries as triplets, for the first solve of a shape.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Pattern {
     p: Vec<(usize, usize, f64)>,
     q: Vec<(usize, f64)>,

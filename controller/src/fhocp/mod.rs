@@ -22,6 +22,7 @@ mod slacks;
 use nalgebra::{Vector2, Vector6};
 
 pub use clarabel_solver::ClarabelSolver;
+pub(crate) use clarabel_solver::SolverSeed;
 pub use slacks::Slacks;
 pub(crate) use slacks::greatest;
 
