@@ -156,20 +156,20 @@ fn commands_are_the_controllers_bit_for_bit_and_so_after_rollback_and_revival() 
 
     let (fmu, mut car) = (Fmu::ready(), plant());
     let half = STEPS / 2;
-    assert_eq!(drive(&mut car, 0, half, |k, x| fmu.step(k, x)), expected[..half]);
+    assert!(drive(&mut car, 0, half, |k, x| fmu.step(k, x)) == expected[..half]);
     let (state, bytes, at_half) = (fmu.saved(), fmu.bytes(), car.clone());
-    assert_eq!(drive(&mut car, half, STEPS, |k, x| fmu.step(k, x)), expected[half..]);
+    assert!(drive(&mut car, half, STEPS, |k, x| fmu.step(k, x)) == expected[half..]);
 
     // SAFETY: the state is one of this instance.
     assert_eq!(unsafe { c::fmi2SetFMUstate(fmu.0, state) }, 0);
     let again = drive(&mut at_half.clone(), half, STEPS, |k, x| fmu.step(k, x));
-    assert_eq!(again, expected[half..], "after rollback");
+    assert!(again == expected[half..], "after rollback");
     drop(fmu);
 
     let revived = Fmu::instantiate();
     assert_eq!(revived.restore(&bytes), 0);
     let again = drive(&mut at_half.clone(), half, STEPS, |k, x| revived.step(k, x));
-    assert_eq!(again, expected[half..], "after serialization");
+    assert!(again == expected[half..], "after serialization");
 
     let mut damaged = bytes.clone();
     damaged[bytes.len() / 2] ^= 4;

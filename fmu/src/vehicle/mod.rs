@@ -140,7 +140,8 @@ impl VehicleFmu {
         let (applied, tyres) = (self.plant.applied(), self.plant.tyres());
         values.set_real(slots.applied[0], applied.a);
         values.set_real(slots.applied[1], applied.delta);
-        let axles = [tyres.long, tyres.lateral, tyres.vertical, tyres.slip, tyres.utilisation];
+        let axles =
+            [tyres.long, tyres.lateral, tyres.vertical, tyres.slip, self.plant.utilisation()];
         for (pair, numbers) in slots.tyres.iter().zip(axles) {
             pair.iter().zip(numbers).for_each(|(slot, number)| values.set_real(*slot, number));
         }
