@@ -5,6 +5,7 @@ use std::ffi::{c_char, c_void};
 use std::path::PathBuf;
 use std::ptr::null_mut;
 
+use super::instantiate::{make, optional_text};
 use super::logger::{Callback, Logger, Logger3};
 use super::{call, fmi2, pointer};
 use crate::description::Version::Fmi3;
@@ -32,10 +33,10 @@ pub unsafe fn instantiate<M: Model>(
             return Err(Fault::Refused("this FMU has no event mode".to_owned()));
         }
         // SAFETY: the caller's promise.
-        Ok(unsafe { fmi2::optional_text("resource path", resources) }?.map(PathBuf::from))
+        Ok(unsafe { optional_text("resource path", resources) }?.map(PathBuf::from))
     };
     // SAFETY: the caller's promise.
-    unsafe { fmi2::make::<M>(Fmi3, name, token, callback, environment, logging, folder) }
+    unsafe { make::<M>(Fmi3, name, token, callback, environment, logging, folder) }
 }
 
 /// `fmi3InstantiateModelExchange` and `fmi3InstantiateScheduledExecution`: not offered.

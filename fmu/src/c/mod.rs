@@ -7,6 +7,7 @@
 
 pub mod fmi2;
 pub mod fmi3;
+mod instantiate;
 pub(crate) mod logger;
 pub(crate) mod pointer;
 pub mod state;
