@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
 
+use crate::actuator::Actuators;
 use crate::config::{Config, NominalModel};
 use crate::error::ConfigError;
 use crate::learned_model::LearnedModel;
@@ -35,6 +36,7 @@ pub(crate) struct Setup {
     /// Discretised nominal model with the fitted grip.
     pub(crate) model: Discretized,
     pub(crate) tracker: Tracker,
+    pub(crate) actuators: Actuators,
 }
 
 impl Controller {
@@ -56,7 +58,14 @@ impl Controller {
             memory: Memory::new(&config),
             work: Workspace::new(&config, &car),
             prepared: false,
-            setup: Setup { tracker: Tracker::new(&car), config, car, track, model },
+            setup: Setup {
+                tracker: Tracker::new(&car),
+                actuators: Actuators::new(&car, dt),
+                config,
+                car,
+                track,
+                model,
+            },
         })
     }
 
@@ -81,12 +90,12 @@ impl Controller {
             Ok(observation) => self.drive(&observation, &mut status, probe),
             Err(reason) => self.hold_on(reason, &mut status),
         };
-        let input = self.limited(wanted, &mut status);
-        // A repeated measurement is answered, but no period passes.
-        if status.reason != Reason::TimeNotAdvancing {
-            self.commit(input);
+        // A repeated measurement is answered with the same command; no period passes.
+        if status.reason == Reason::TimeNotAdvancing {
+            return Command { input: wanted, status };
         }
-        Command { input, status }
+        let wanted = self.limited(wanted, &mut status);
+        Command { input: self.commit(wanted), status }
     }
 
     /// What can be done before the next measurement: lap-end learning, and the preparation of

@@ -137,7 +137,7 @@ impl Controller {
         if reason == Reason::TimeNotAdvancing {
             status.action = if self.memory.learning { Action::ShiftedPlan } else { Action::WarmUp };
             status.state = self.memory.last.map(|last| last.state).unwrap_or_default();
-            return self.memory.u_prev;
+            return self.memory.command;
         }
         self.memory.dataset.interrupt();
         self.memory.plan_age += 1;
@@ -183,18 +183,23 @@ impl Controller {
         input
     }
 
-    /// Queues the input; what leaves the queue acts in the coming period.
-    pub(crate) fn commit(&mut self, input: Input) {
+    /// Turns the wanted input into a command and queues what will act; what leaves the queue
+    /// acts in the coming period.
+    pub(crate) fn commit(&mut self, wanted: Input) -> Input {
         let memory = &mut self.memory;
-        memory.queue.push_back(input);
-        let acting = memory.queue.pop_front().unwrap_or(input);
+        let driven = self.setup.actuators.drive(memory.position, wanted);
+        memory.position = driven.position;
+        memory.queue.push_back(driven.mean);
+        let acting = memory.queue.pop_front().unwrap_or(driven.mean);
         if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())
         {
             sample.u = acting;
         }
-        memory.u_prev = input;
+        memory.u_prev = driven.mean;
+        memory.command = driven.command;
         memory.shifted = false;
         self.prepared = false;
+        driven.command
     }
 
     /// The state at which the coming command will act: through the queued inputs.

@@ -10,6 +10,7 @@
 //! | the loop | [`Controller`] |
 #![forbid(unsafe_code)]
 
+mod actuator;
 mod affine;
 pub mod config;
 mod controller;

@@ -29,10 +29,14 @@ pub(crate) struct Memory {
     pub(crate) last: Option<Last>,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
-    /// Commands that do not act yet, oldest first.
+    /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
-    /// Last command.
+    /// Input of the last period decided on, as it acts.
     pub(crate) u_prev: Input,
+    /// Last command.
+    pub(crate) command: Input,
+    /// Position of the actuators at the end of that period.
+    pub(crate) position: Input,
     /// Latest plan.
     pub(crate) plan: Plan,
     /// Whether the plan already starts at the coming measurement.
@@ -79,6 +83,8 @@ impl Memory {
             suspects: 0,
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
+            command: Input::default(),
+            position: Input::default(),
             plan: Plan::default(),
             shifted: false,
             plan_age: 0,

@@ -105,7 +105,9 @@ mod tests {
         let config = layers.build().unwrap();
         assert_eq!((config.horizon.steps, config.horizon.substeps), (9, 7));
         assert_eq!(config.regression.mode, controller::config::RegressionMode::Full);
-        assert_eq!(config.safe_set.neighbors, 8, "the preset below");
+        let below = Config::preset(controller::Preset::Paper);
+        assert_eq!(config.safe_set, below.safe_set, "the preset below");
+        assert_ne!(config.safe_set, Config::default().safe_set, "which is not the default");
     }
 
     #[test]

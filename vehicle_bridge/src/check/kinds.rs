@@ -4,7 +4,7 @@ use controller::{Config, ConfigError};
 use vehicle_model::params::ParamProblem;
 use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
-use super::source::{Fault, Source};
+use super::source::Source;
 use super::{Finding, Kind};
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
@@ -63,15 +63,15 @@ pub(super) fn car(text: &str) -> Vec<Finding> {
     if source.read(&mut findings, parse)
         && let Err(ModelError::CarInvalid(problems)) = CarParams::from_toml(source.text())
     {
-        findings.extend(problems.into_iter().filter_map(|mut problem: ParamProblem| {
-            // A missing key was reported as such; the number put in its place does not count.
-            let line = problem.line.take().map(|line| source.original_line(line));
-            let line = match line {
-                Some(None) => return None,
-                Some(line) => line,
-                None => None,
-            };
-            Some(Finding { line, column: None, message: problem.to_string() })
+        // A missing key was reported as such; what stands in its place does not count.
+        let real = |p: &ParamProblem| {
+            let section = !p.section.is_empty() && source.stands_in_for(p.section);
+            let in_its_place = p.line.is_some_and(|line| source.original_line(line).is_none());
+            !section && !in_its_place
+        };
+        findings.extend(problems.into_iter().filter(real).map(|mut problem| {
+            let line = problem.line.take().and_then(|line| source.original_line(line));
+            Finding { line, column: None, message: problem.to_string() }
         }));
     }
     findings
@@ -79,47 +79,15 @@ pub(super) fn car(text: &str) -> Vec<Finding> {
 
 /// Problems of a track file.
 pub(super) fn track(file: &str, text: &str) -> Vec<Finding> {
-    let mut source = Source::new(text);
-    let mut findings = Vec::new();
-    if is_toml(text) {
-        // Unreadable entries come one at a time; geometry comes last and all at once.
-        let parse = |text: &str| match Track::check(file, text).first() {
-            Some(TrackError::Syntax { line, column, found, expected })
-                if expected == WHOLE_TRACK =>
-            {
-                Err(Fault { span: span_of(text, *line, *column), message: found.clone() })
-            }
-            _ => Ok(()),
-        };
-        if !source.read(&mut findings, parse) {
-            return findings;
-        }
-    }
-    let readable = findings.is_empty();
-    for error in Track::check(file, source.text()) {
-        match error {
-            TrackError::Syntax { line, column, found, expected } if readable => {
-                let message = format!("{found}; expected {expected}");
-                findings.push(Finding { line: Some(line), column: Some(column), message });
-            }
-            // Where an entry is missing the path cannot close: only the numbers count.
-            TrackError::Value { .. } => findings.push(Finding::of(error.to_string())),
-            _ if readable => findings.push(Finding::of(error.to_string())),
-            _ => {}
-        }
-    }
-    findings
-}
-
-/// What the reader of segments says it expected when it cannot read the text at all.
-const WHOLE_TRACK: &str = "a track of segments";
-
-/// From a place to the end of its line.
-fn span_of(text: &str, line: usize, column: usize) -> Option<std::ops::Range<usize>> {
-    let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
-    let rest = text[start..].lines().next()?;
-    let skip: usize = rest.chars().take(column - 1).map(char::len_utf8).sum();
-    Some(start + skip..start + rest.trim_end().len().max(skip))
+    let finding = |error: TrackError| match error {
+        TrackError::Syntax { line, column, found, expected } => Finding {
+            line: Some(line),
+            column: Some(column),
+            message: format!("{found}; expected {expected}"),
+        },
+        other => Finding::of(other.to_string()),
+    };
+    Track::check(file, text).into_iter().map(finding).collect()
 }
 
 fn is_toml(text: &str) -> bool {

@@ -1,6 +1,7 @@
 //! TOML text that is read again and again, each time without the entry last found wrong, so that
 //! every mistake is seen and not only the first.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -11,23 +12,11 @@ use super::Finding;
 /// Most findings in one file; what follows so many is noise.
 const MOST_FINDINGS: usize = 100;
 
+/// Most times a text is read again.
+const MOST_ROUNDS: usize = 300;
+
 /// What stands in for a missing key so that reading goes on; the first that fits is taken.
-const STAND_INS: [&str; 3] = ["1.0", "\"x\"", "true"];
-
-/// What a reader says is wrong, and where in its text.
-#[derive(Debug)]
-pub(super) struct Fault {
-    /// The bytes that are wrong.
-    pub(super) span: Option<Range<usize>>,
-    /// What is wrong with them.
-    pub(super) message: String,
-}
-
-impl From<toml::de::Error> for Fault {
-    fn from(error: toml::de::Error) -> Self {
-        Self { span: error.span(), message: error.message().to_owned() }
-    }
-}
+const STAND_INS: [&str; 4] = ["1.0", "\"x\"", "true", "{}"];
 
 /// Text with the places found wrong blanked out; lines and columns stay where they are.
 #[derive(Debug, Clone)]
@@ -51,27 +40,36 @@ impl Source {
 
     /// Reads with `parse`, finding everything on the way that is no TOML, no key, or has the
     /// wrong type. Whether what is left can be read.
-    pub(super) fn read<E: Into<Fault>>(
+    pub(super) fn read(
         &mut self,
         findings: &mut Vec<Finding>,
-        parse: impl Fn(&str) -> Result<(), E>,
+        parse: impl Fn(&str) -> Result<(), toml::de::Error>,
     ) -> bool {
         self.syntax(findings);
-        while findings.len() < MOST_FINDINGS {
+        for _ in 0..MOST_ROUNDS {
             let Err(error) = parse(&self.text) else { return true };
-            let Fault { span, message } = error.into();
-            let Some(span) = span else {
-                findings.push(Finding::of(message));
+            let message = error.message();
+            let Some(span) = error.span() else {
+                findings.push(Finding::of(message.to_owned()));
                 return false;
             };
             let line = position(&self.text, span.start).0 - 1;
-            let goes_on = if let Some(key) = missing_key(&message) {
-                self.missing(line, key, &message, findings);
+            let line_start = self.start_of(line);
+            let stand_in = self.supplied.iter().position(|s| s.0 == line);
+            let goes_on = if let Some(key) = missing_key(message)
+                && stand_in.is_some()
+                && span.start > line_start
+            {
+                // A whole table is missing: its stand-in is filled key by key, without a word.
+                self.text.insert_str(span.start + 1, &format!("{key} = 1.0, "));
                 true
-            } else if let Some(i) = self.supplied.iter().position(|s| s.0 == line) {
+            } else if let Some(key) = missing_key(message) {
+                self.missing(line, key, message, findings);
+                true
+            } else if let Some(i) = stand_in {
                 self.next_stand_in(i)
             } else {
-                findings.push(self.finding(&span, &message));
+                findings.push(self.finding(&span, message));
                 let entry = self.entry_around(&span).unwrap_or_else(|| vec![span]);
                 self.blank(&entry)
             };
@@ -110,6 +108,16 @@ impl Source {
         Some(line - self.supplied.iter().filter(|s| s.0 + 1 < line).count())
     }
 
+    /// Whether a stand-in was put for this key.
+    pub(super) fn stands_in_for(&self, key: &str) -> bool {
+        self.supplied.iter().any(|s| s.1 == key)
+    }
+
+    /// Byte at which a line begins, lines from 0.
+    fn start_of(&self, line: usize) -> usize {
+        self.text.split_inclusive('\n').take(line).map(str::len).sum()
+    }
+
     fn line_text(&self, line: usize) -> &str {
         self.text.lines().nth(line).unwrap_or("")
     }
@@ -120,7 +128,7 @@ impl Source {
             other.0 += usize::from(other.0 >= line);
         }
         self.supplied.push((line, key.to_owned(), 0));
-        let at: usize = self.text.split_inclusive('\n').take(line).map(str::len).sum();
+        let at = self.start_of(line);
         let newline = if at > 0 && !self.text[..at].ends_with('\n') { "\n" } else { "" };
         self.text.insert_str(at, &format!("{newline}{key} = {}\n", STAND_INS[0]));
     }
@@ -190,9 +198,9 @@ impl Source {
         visit(root.get_ref(), &mut |key, value| {
             let own = [key.span(), value.span()];
             if own.iter().any(|r| r.start <= span.start && span.end <= r.end) {
-                let mut ranges = vec![
-                    key.span().start.min(value.span().start)..key.span().end.max(value.span().end),
-                ];
+                let (start, end) = (key.span().start, key.span().end);
+                let whole = start.min(value.span().start)..end.max(value.span().end);
+                let mut ranges: Vec<Range<usize>> = std::iter::once(whole).collect();
                 if let DeValue::Table(inner) = value.get_ref() {
                     visit(inner, &mut |k, v| {
                         ranges.push(k.span().start..v.span().end.max(k.span().end));
@@ -239,11 +247,10 @@ fn missing_key(message: &str) -> Option<&str> {
     message.strip_prefix("missing field `")?.split('`').next()
 }
 
+type Visitor<'v, 'b> = dyn FnMut(&Spanned<Cow<'b, str>>, &Spanned<DeValue<'b>>) + 'v;
+
 /// Calls `act` for every entry, outer before inner.
-fn visit<'b>(
-    table: &DeTable<'b>,
-    act: &mut dyn FnMut(&Spanned<std::borrow::Cow<'b, str>>, &Spanned<DeValue<'b>>),
-) {
+fn visit<'b>(table: &DeTable<'b>, act: &mut Visitor<'_, 'b>) {
     for (key, value) in table.iter() {
         act(key, value);
         match value.get_ref() {

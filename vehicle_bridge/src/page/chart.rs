@@ -7,7 +7,7 @@ use super::escape;
 use super::scale::{Kind, Scale};
 
 const WIDTH: f64 = 720.0;
-const LEFT: f64 = 62.0;
+const LEFT: f64 = 74.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
@@ -78,6 +78,10 @@ pub struct Chart {
     pub y_kind: Kind,
     /// Ends of the axis upwards; by default around the points.
     pub y_range: Option<(f64, f64)>,
+    /// Ends of the axis to the right; by default around the points.
+    pub x_range: Option<(f64, f64)>,
+    /// Whether only whole numbers stand on the axis to the right.
+    pub x_whole: bool,
     /// Height in pixels.
     pub height: f64,
     /// What it shows.
@@ -95,6 +99,8 @@ impl Chart {
             y_label: y_label.into(),
             y_kind: Kind::Linear,
             y_range: None,
+            x_range: None,
+            x_whole: false,
             height: 260.0,
             series: Vec::new(),
             references: Vec::new(),
@@ -117,9 +123,9 @@ impl Chart {
             let _ = writeln!(
                 out,
                 "<line class=\"reference\" x1=\"{LEFT}\" x2=\"{}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>\
-                 <text class=\"reference\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                 <text class=\"reference\" x=\"{}\" y=\"{:.1}\">{}</text>",
                 WIDTH - RIGHT,
-                WIDTH - RIGHT - 4.0,
+                LEFT + 4.0,
                 y - 4.0,
                 escape(&reference.label)
             );
@@ -134,7 +140,10 @@ impl Chart {
 
     fn frame(&self) -> Frame {
         let points = || self.series.iter().flat_map(|s| &s.points);
-        let x = Scale::around(Kind::Linear, points().map(|p| p.0));
+        let x = match self.x_range {
+            Some((least, most)) => Scale::exactly(least, most),
+            None => Scale::around(Kind::Linear, points().map(|p| p.0)),
+        };
         let references = self.references.iter().map(|r| r.y);
         let y = match self.y_range {
             Some((least, most)) => Scale::exactly(least, most),
@@ -155,7 +164,7 @@ impl Chart {
                 y + 4.0
             );
         }
-        for (value, label) in frame.x.ticks(10) {
+        for (value, label) in self.x_ticks(frame) {
             let x = frame.x(value);
             let _ = writeln!(
                 out,
@@ -167,7 +176,7 @@ impl Chart {
         let _ = writeln!(
             out,
             "<text class=\"label\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-             <text class=\"label\" transform=\"translate(14 {}) rotate(-90)\" \
+             <text class=\"label\" transform=\"translate(13 {}) rotate(-90)\" \
              text-anchor=\"middle\">{}</text>",
             f64::midpoint(LEFT, right),
             self.height - 8.0,
@@ -175,6 +184,15 @@ impl Chart {
             f64::midpoint(TOP, low),
             escape(&self.y_label)
         );
+    }
+
+    fn x_ticks(&self, frame: &Frame) -> Vec<(f64, String)> {
+        let ticks = frame.x.ticks(10);
+        if !self.x_whole {
+            return ticks;
+        }
+        let whole = ticks.into_iter().filter(|(value, _)| value.fract() == 0.0);
+        whole.map(|(value, _)| (value, format!("{value:.0}"))).collect()
     }
 
     fn legend(&self, out: &mut String) {

@@ -18,6 +18,9 @@ pub struct Scale {
     most: f64,
 }
 
+/// Below so many decades an axis needs ticks between them.
+const FEW_DECADES: f64 = 2.5;
+
 /// Least number a logarithmic axis shows.
 const LOG_FLOOR: f64 = 1e-12;
 
@@ -58,6 +61,9 @@ impl Scale {
     /// Round numbers along the axis, about `count`, with their labels.
     #[must_use]
     pub fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+        if self.kind == Kind::Log && self.most - self.least < FEW_DECADES {
+            return self.ticks_within_decades();
+        }
         let step = round_step((self.most - self.least) / count.max(1) as f64);
         let step = if self.kind == Kind::Log { step.max(1.0).round() } else { step };
         let first = (self.least / step).ceil() as i64;
@@ -69,6 +75,27 @@ impl Scale {
                     Kind::Linear => (at, label(at, step)),
                     Kind::Log => (10f64.powf(at), power_label(at)),
                 }
+            })
+            .collect()
+    }
+}
+
+impl Scale {
+    /// 1, 2 and 5 in each decade, where whole decades alone would be too few.
+    fn ticks_within_decades(&self) -> Vec<(f64, String)> {
+        let decades = self.least.floor() as i32..=self.most.floor() as i32;
+        let values = decades.flat_map(|d| [1.0, 2.0, 5.0].map(|digit| (d, digit)));
+        values
+            .map(|(d, digit)| (d, digit, digit * 10f64.powi(d)))
+            .filter(|(_, _, value)| (self.least..=self.most).contains(&value.log10()))
+            .map(|(d, digit, value)| {
+                let small = (-3..=3).contains(&d);
+                let label = match (small, d < 0) {
+                    (true, true) => format!("{value:.*}", d.unsigned_abs() as usize),
+                    (true, false) => format!("{value:.0}"),
+                    _ => format!("{digit:.0}e{d}"),
+                };
+                (value, label)
             })
             .collect()
     }
@@ -130,6 +157,9 @@ mod tests {
         let steps = [0.1, 1.0, 10.0, 100.0].map(|v| scale.part(v));
         assert!((steps[1] - steps[0] - (steps[3] - steps[2])).abs() < 1e-12);
         assert!(scale.ticks(5).iter().any(|t| t.1 == "0.1"));
+        let short = Scale::around(Kind::Log, [0.03, 0.6].into_iter());
+        let labels: Vec<String> = short.ticks(5).into_iter().map(|t| t.1).collect();
+        assert_eq!(labels, ["0.05", "0.1", "0.2", "0.5"]);
     }
 
     #[test]

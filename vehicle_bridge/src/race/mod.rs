@@ -13,7 +13,9 @@ pub mod words;
 
 use std::sync::Arc;
 
-use controller::{Action, Config, ConfigError, Controller, LapKind, Measurement, Pose, Status};
+use controller::{
+    Action, Config, ConfigError, Controller, LapKind, LapResult, Measurement, Pose, Status,
+};
 use vehicle_model::{
     CarParams, Discretized, Input, Model, ModelError as PlantError, ModelKind, Plant, PlantParams,
     SlipAngles, State, Track,
@@ -178,6 +180,22 @@ impl Race {
         // Counted, not summed: a thousand additions of 0.1 miss.
         self.time = self.steps.len() as f64 * period;
         self.judge();
+    }
+
+    /// The lap in which the car failed, summed up as far as it went; its lap time is no number.
+    #[must_use]
+    pub fn failed_lap(&self) -> Option<LapRow> {
+        let failure = self.failure.as_ref()?;
+        let steps = &self.steps[self.lap_begin..];
+        let learning = failure.iteration > 0;
+        let result = LapResult {
+            lap: steps.last()?.status.lap,
+            kind: if learning { LapKind::Learning } else { LapKind::Warmup },
+            lap_time: f64::NAN,
+            valid: false,
+        };
+        let iteration = learning.then_some(failure.iteration);
+        Some(LapRow::new(result, iteration, self.controller.grip(), steps))
     }
 
     fn close_lap(&mut self, status: &Status) {

@@ -1,7 +1,5 @@
 //! Charts over laps and along the lap.
 
-use controller::Config;
-
 use super::{LapView, Optimal};
 use crate::page::scale::Kind;
 use crate::page::{Chart, Mark, Reference, Series};
@@ -12,6 +10,7 @@ use crate::race::timing::{PHASES, StepTime, percentile};
 #[must_use]
 pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
     let mut chart = Chart::new("lap", "lap time [s]");
+    chart.x_whole = true;
     let points = |keep: fn(&LapRow) -> bool| -> Vec<(f64, f64)> {
         let kept = laps.iter().filter(|lap| keep(lap));
         kept.map(|lap| (f64::from(lap.result.lap), lap.result.lap_time)).collect()
@@ -39,6 +38,7 @@ pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> O
         laps.iter().filter(|lap| lap.is_learning()).skip(2).cloned().collect();
     (learned.len() > 3).then(|| {
         let mut chart = Chart::new("lap", "lap time [s]");
+        chart.x_whole = true;
         let points = learned.iter().map(|l| (f64::from(l.result.lap), l.result.lap_time)).collect();
         chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
         if let Some(optimal) = optimal {
@@ -58,6 +58,7 @@ pub(super) fn model_error(laps: &[LapRow]) -> String {
         learned.map(|lap| (f64::from(lap.result.lap), value(lap))).collect::<Vec<_>>()
     };
     chart.y_kind = Kind::Log;
+    chart.x_whole = true;
     chart.series.push(Series::new(
         "median of the lap",
         "s0",
@@ -73,51 +74,67 @@ pub(super) fn model_error(laps: &[LapRow]) -> String {
     chart.html()
 }
 
-/// Something along the lap, for every lap, hidden and shown by the lap chooser.
-#[must_use]
-pub(super) fn along(
-    laps: &[LapView<'_>],
-    y_label: &str,
-    value: impl Fn(&StepRow) -> f64,
-    optimal: Option<Vec<(f64, f64)>>,
-    references: Vec<Reference>,
-) -> String {
-    let mut chart = Chart::new("s [m]", y_label);
-    chart.height = 230.0;
-    for lap in laps {
-        let points = lap.steps.iter().map(|row| (row.x.s, value(row))).collect();
-        let class = if lap.best { "best".to_owned() } else { format!("s{}", lap.number % 6) };
-        chart.series.push(Series {
-            label: None,
-            class,
-            title: lap.title.clone(),
-            lap: Some(lap.number),
-            mark: Mark::Line,
-            points,
-        });
-    }
-    if let Some(points) = optimal {
-        chart.series.push(Series {
-            label: None,
-            ..Series::new("time-optimal lap", "optimal", Mark::Line, points)
-        });
-    }
-    chart.references = references;
-    chart.html()
+/// Charts along the lap.
+pub(super) struct Along {
+    /// Length of the track [m].
+    pub(super) length: f64,
 }
 
-/// Slip-guard limits as reference lines.
+impl Along {
+    /// A value over s for every lap, hidden and shown by the lap chooser.
+    pub(super) fn chart(
+        &self,
+        laps: &[LapView<'_>],
+        y_label: &str,
+        value: impl Fn(&StepRow) -> f64,
+        optimal: Option<Vec<(f64, f64)>>,
+        references: Vec<Reference>,
+    ) -> String {
+        let mut chart = Chart::new("s [m]", y_label);
+        chart.height = 230.0;
+        chart.x_range = Some((0.0, self.length));
+        for lap in laps {
+            let class = if lap.best { "best".to_owned() } else { format!("s{}", lap.number % 6) };
+            chart.series.push(Series {
+                label: None,
+                class,
+                title: lap.title.clone(),
+                lap: Some(lap.number),
+                mark: Mark::Line,
+                points: self.points(lap, &value),
+            });
+        }
+        if let Some(points) = optimal {
+            let series = Series::new("time-optimal lap", "optimal", Mark::Line, points);
+            chart.series.push(Series { label: None, ..series });
+        }
+        chart.references = references;
+        chart.html()
+    }
+
+    /// From line to line, where the values of the steps around it are interpolated.
+    fn points(&self, lap: &LapView<'_>, value: impl Fn(&StepRow) -> f64) -> Vec<(f64, f64)> {
+        let own = lap.steps.iter().map(|row| (row.x.s, value(row)));
+        let before = lap.before.map(|row| (row.x.s - self.length, value(row)));
+        let after = lap.after.map(|row| (row.x.s + self.length, value(row)));
+        let all: Vec<(f64, f64)> = before.into_iter().chain(own).chain(after).collect();
+        let at = |s: f64| {
+            let pair = all.windows(2).find(|p| p[0].0 <= s && s <= p[1].0 && p[0].0 < p[1].0)?;
+            let part = (s - pair[0].0) / (pair[1].0 - pair[0].0);
+            Some((s, pair[0].1 + part * (pair[1].1 - pair[0].1)))
+        };
+        let inside = all.iter().copied().filter(|p| p.0 > 0.0 && p.0 < self.length);
+        at(0.0).into_iter().chain(inside).chain(at(self.length)).collect()
+    }
+}
+
+/// A slip guard as a reference line, if it is on.
 #[must_use]
-pub(super) fn guards(config: &Config) -> Vec<Reference> {
-    let (front, rear) = (config.limits.front_slip, config.limits.rear_slip);
-    let mut lines = Vec::new();
-    if front > 0.0 {
-        lines.push(Reference { y: front, label: format!("front guard {front}") });
+pub(super) fn guard(limit: f64) -> Vec<Reference> {
+    if limit <= 0.0 {
+        return Vec::new();
     }
-    if rear > 0.0 && (rear - front).abs() > 1e-12 {
-        lines.push(Reference { y: rear, label: format!("rear guard {rear}") });
-    }
-    lines
+    vec![Reference { y: limit, label: format!("guard {limit}") }]
 }
 
 /// Histogram of the step times.

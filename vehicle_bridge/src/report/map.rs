@@ -83,7 +83,7 @@ pub(super) fn map(
     start(track, bounds.size(), &mut out);
     for lap in laps {
         let _ = write!(out, "<g data-lap=\"{}\"><title>{}</title>", lap.number, escape(&lap.title));
-        coloured(lap.steps, &range, &mut out);
+        coloured(&lap.closed(), &range, &mut out);
         out.push_str("</g>\n");
     }
     if let Some(optimal) = optimal {
@@ -234,7 +234,7 @@ impl Bounds {
         let (width, height) = (self.x.1 - self.x.0 + 2.0 * room, self.y.1 - self.y.0 + 2.0 * room);
         format!(
             "<svg class=\"map\" viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" \
-             style=\"max-height:72vh\" role=\"img\" aria-label=\"track map coloured by speed\">\n",
+             style=\"max-height:600px\" role=\"img\" aria-label=\"track map coloured by speed\">\n",
             self.x.0 - room,
             -self.y.1 - room
         )

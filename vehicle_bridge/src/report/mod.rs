@@ -7,11 +7,11 @@ mod tables;
 
 use std::fmt::Write as _;
 
-use controller::Config;
+use controller::{Action, Config};
 use vehicle_model::Track;
 
 use crate::page::{card, escape, page, table};
-use crate::race::record::{Failure, LapRow, StepRow};
+use crate::race::record::{Failure, LapRow, StepRow, is_fallback};
 use crate::race::timing::{StepTime, percentile};
 use crate::race::words::kind_word;
 
@@ -55,6 +55,17 @@ pub struct LapView<'a> {
     pub time: Option<f64>,
     /// Its control steps.
     pub steps: &'a [StepRow],
+    /// The last step before it.
+    pub before: Option<&'a StepRow>,
+    /// The first step after it.
+    pub after: Option<&'a StepRow>,
+}
+
+impl LapView<'_> {
+    /// The steps up to the first behind the line again.
+    fn closed(&self) -> Vec<StepRow> {
+        self.steps.iter().chain(self.after).copied().collect()
+    }
 }
 
 impl Report<'_> {
@@ -74,19 +85,23 @@ impl Report<'_> {
             times.push_str("<h2>From the third learned lap on</h2>\n");
             times.push_str(&detail);
         }
+        body.push_str("<div class=\"columns\">\n");
         body.push_str(&card("Lap times", "", &times));
+        let along = self.along();
         let line = |at: usize| optimal.map(|o| o.points.iter().map(|p| (p[0], p[at])).collect());
-        let mut speed = curves::along(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
-        speed.push_str(&curves::along(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
+        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
+        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
         body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
-        let mut inputs = curves::along(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
-        inputs.push_str(&curves::along(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
+        let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
+        inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
         body.push_str(&card("Inputs over the lap", "", &inputs));
         body.push_str(&self.tyres(&views));
         let note = "Distance between the learned linearisation and the simulated car's own, at \
                     the same state and input.";
-        body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
-        let support = curves::along(
+        if self.laps.iter().any(|lap| lap.model_error_median.is_finite()) {
+            body.push_str(&card("Model error", note, &curves::model_error(self.laps)));
+        }
+        let support = along.chart(
             &views,
             "sum of kernel weights",
             |r| r.status.data_support_mean,
@@ -104,11 +119,8 @@ impl Report<'_> {
             note,
             &tables::events(self.laps, self.steps),
         ));
-        body.push_str(&card(
-            "Laps",
-            "",
-            &format!("<div class=\"wide\">{}</div>", tables::laps(self.laps)),
-        ));
+        body.push_str("</div>\n");
+        body.push_str(&card("Laps", "", &tables::laps(self.laps)));
         body.push_str(&self.settings());
         let title = format!("{} on {}", self.car, self.track.name());
         page(&title, self.lead, &body, include_str!("report.js"))
@@ -119,10 +131,13 @@ impl Report<'_> {
         let first = self.laps.iter().find(|lap| lap.is_learning()).map(|lap| lap.result.lap);
         let last = self.steps.last().map(|row| row.status.lap);
         let shown = best.or(first).or(last);
+        let mut end = 0;
         self.steps
             .chunk_by(|a, b| a.status.lap == b.status.lap)
             .filter_map(|steps| {
                 let number = steps.first()?.status.lap;
+                let begin = end;
+                end += steps.len();
                 let row = self.laps.iter().find(|lap| lap.result.lap == number);
                 let time = row.map(|lap| lap.result.lap_time);
                 let kind = row.map_or("unfinished", |lap| kind_word(lap.result.kind));
@@ -135,6 +150,8 @@ impl Report<'_> {
                     kind,
                     time,
                     steps,
+                    before: begin.checked_sub(1).and_then(|i| self.steps.get(i)),
+                    after: self.steps.get(end),
                 })
             })
             .collect()
@@ -156,10 +173,10 @@ impl Report<'_> {
         let tone = if off == 0 { "good" } else { "bad" };
         let text = self.failure.map_or("stayed on the track".to_owned(), ToString::to_string);
         facts.push((if off == 0 { "yes".into() } else { "failed".into() }, text, tone));
-        let fallbacks: usize = self.laps.iter().map(|lap| lap.fallbacks).sum();
+        let fallbacks = self.steps.iter().filter(|row| is_fallback(&row.status)).count();
         let tone = if fallbacks == 0 { "good" } else { "bad" };
         facts.push((fallbacks.to_string(), "steps fell back".to_owned(), tone));
-        let mut totals: Vec<f64> = self.times.iter().map(|t| t.total * 1e3).collect();
+        let mut totals: Vec<f64> = self.learned_times().iter().map(|t| t.total * 1e3).collect();
         totals.sort_by(f64::total_cmp);
         if !totals.is_empty() {
             let median = percentile(&totals, 0.5);
@@ -179,33 +196,39 @@ impl Report<'_> {
         format!("<div class=\"facts\">\n{cards}</div>\n")
     }
 
+    fn along(&self) -> curves::Along {
+        curves::Along { length: self.track.length() }
+    }
+
     fn tyres(&self, views: &[LapView<'_>]) -> String {
-        let guards = curves::guards(self.config);
-        let mut out =
-            curves::along(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, guards.clone());
-        out.push_str(&curves::along(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, guards));
-        out.push_str(&curves::along(
-            views,
-            "lateral force used, front",
-            |r| r.use_f,
-            None,
-            Vec::new(),
-        ));
-        out.push_str(&curves::along(
-            views,
-            "lateral force used, rear",
-            |r| r.use_r,
-            None,
-            Vec::new(),
-        ));
+        let along = self.along();
+        let limits = &self.config.limits;
+        let (front, rear) = (curves::guard(limits.front_slip), curves::guard(limits.rear_slip));
+        let mut out = along.chart(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, front);
+        out.push_str(&along.chart(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, rear));
+        for (label, value) in [
+            ("lateral force used, front", (|r| r.use_f) as fn(&StepRow) -> f64),
+            ("lateral force used, rear", |r| r.use_r),
+        ] {
+            out.push_str(&along.chart(views, label, value, None, Vec::new()));
+        }
         card("Tyre use", "Slip angles, and the share of each axle's largest lateral force.", &out)
     }
 
     fn step_times(&self) -> String {
-        let mut out = curves::step_times(self.times);
+        let times = self.learned_times();
+        let mut out = curves::step_times(&times);
         let head = ["phase [ms]", "median", "90 %", "99 %", "longest"];
-        out.push_str(&table(&head, &curves::step_table(self.times)));
-        card("Control-step times", "On the machine that made this report.", &out)
+        out.push_str(&table(&head, &curves::step_table(&times)));
+        let note = "Steps that solved the optimal control problem, on the machine that made this \
+                    report.";
+        card("Control-step times", note, &out)
+    }
+
+    /// Times of the steps that learned; those of the warm-up laps would hide them.
+    fn learned_times(&self) -> Vec<StepTime> {
+        let both = self.steps.iter().zip(self.times);
+        both.filter(|(row, _)| row.status.action == Action::Learned).map(|(_, t)| *t).collect()
     }
 
     fn settings(&self) -> String {

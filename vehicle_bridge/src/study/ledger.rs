@@ -57,8 +57,8 @@ pub struct StudyLap {
     pub kind: String,
     /// Number among the learning laps.
     pub iteration: Option<u32>,
-    /// Lap time [s].
-    pub lap_time_s: f64,
+    /// Lap time; none for the lap in which the run failed [s].
+    pub lap_time_s: Option<f64>,
     /// Whether the whole lap was inside the track.
     pub valid: bool,
     /// Greatest v_x [m/s].
@@ -122,8 +122,9 @@ impl Ledger {
         laps.retain(|lap| keys.contains(&lap.key()));
         // A run whose laps were lost is run again.
         runs.retain(|run| {
-            let learned = laps.iter().filter(|l| l.key() == run.key() && l.iteration.is_some());
-            learned.count() == run.laps_completed as usize
+            let finished = |l: &&StudyLap| l.iteration.is_some() && l.lap_time_s.is_some();
+            let own = laps.iter().filter(|l| l.key() == run.key());
+            own.filter(finished).count() == run.laps_completed as usize
         });
         let ledger = Self { folder: folder.to_owned(), runs, laps };
         ledger.rewrite()?;

@@ -29,8 +29,8 @@ pub fn page(
         "paper",
     ];
     let rows: Vec<Vec<String>> = summaries.iter().map(cells_of).collect();
-    let mut body =
-        card("Beside the paper", "", &format!("<div class=\"wide\">{}</div>", table(&head, &rows)));
+    let mut body = card("Beside the paper", "", &table(&head, &rows));
+    body.push_str("<div class=\"columns\">\n");
     for regression in &study.regressions {
         let own: Vec<&CellSummary> =
             summaries.iter().filter(|s| &s.cell.regression == regression).collect();
@@ -44,14 +44,14 @@ pub fn page(
                 laps,
                 "lap time [s]",
                 Kind::Linear,
-                |lap| Some(lap.lap_time_s),
+                |lap| lap.lap_time_s,
                 median,
             ),
         ));
         body.push_str(&card(
             &format!("Runs still on the track, {name}"),
             "Share of the seeds that finished the iteration.",
-            &survivors(&own, runs, laps),
+            &survivors(&own, runs),
         ));
         for (what, of) in [
             ("median", (|lap: &StudyLap| lap.model_error_median) as fn(&StudyLap) -> Option<f64>),
@@ -59,7 +59,7 @@ pub fn page(
         ] {
             let middle: fn(&mut [f64]) -> f64 = if what == "mean" { |v| mean(v) } else { median };
             let note = "Frobenius norm of A_learned - A_plant, at the same points and with the \
-                        same discretisation.";
+                        same discretisation; a run's last point is the lap it failed in.";
             body.push_str(&card(
                 &format!("Model error, {what}, {name}"),
                 note,
@@ -67,6 +67,7 @@ pub fn page(
             ));
         }
     }
+    body.push_str("</div>\n");
     html_page(&study.title, &study.lead, &body, "")
 }
 
@@ -88,6 +89,7 @@ fn over_iterations(
 ) -> String {
     let mut chart = Chart::new("iteration", y_label);
     chart.y_kind = kind;
+    chart.x_whole = true;
     for (i, summary) in cells.iter().enumerate() {
         let own: Vec<&StudyLap> = laps.iter().filter(|lap| of_cell(lap, &summary.cell)).collect();
         let last = own.iter().filter_map(|lap| lap.iteration).max().unwrap_or(0);
@@ -99,7 +101,7 @@ fn over_iterations(
             })
             .collect();
         chart.series.push(Series::new(
-            &label(&summary.cell),
+            &label(cells, &summary.cell),
             &format!("s{}", i % 6),
             Mark::DotLine,
             points,
@@ -108,10 +110,11 @@ fn over_iterations(
     chart.html()
 }
 
-fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> String {
+fn survivors(cells: &[&CellSummary], runs: &[RunRow]) -> String {
     let mut chart = Chart::new("iteration", "share of runs");
     chart.y_range = Some((0.0, 1.05));
-    let last = laps.iter().filter_map(|lap| lap.iteration).max().unwrap_or(1);
+    chart.x_whole = true;
+    let last = runs.iter().map(|run| run.laps_completed).max().unwrap_or(1).max(1);
     for (i, summary) in cells.iter().enumerate() {
         let own: Vec<&RunRow> = runs.iter().filter(|r| belongs(r, &summary.cell)).collect();
         let points = (1..=last)
@@ -121,7 +124,7 @@ fn survivors(cells: &[&CellSummary], runs: &[RunRow], laps: &[StudyLap]) -> Stri
             })
             .collect();
         chart.series.push(Series::new(
-            &label(&summary.cell),
+            &label(cells, &summary.cell),
             &format!("s{}", i % 6),
             Mark::Line,
             points,
@@ -137,6 +140,17 @@ fn of_cell(lap: &StudyLap, cell: &Cell) -> bool {
         && lap.bandwidth.to_bits() == cell.bandwidth.to_bits()
 }
 
-fn label(cell: &Cell) -> String {
-    format!("rate cost {}, h {}", cell.control_rate_cost, cell.bandwidth)
+/// What tells a cell from the others in its plot.
+fn label(cells: &[&CellSummary], cell: &Cell) -> String {
+    let differ = |of: fn(&Cell) -> f64| {
+        cells.iter().any(|other| of(&other.cell).to_bits() != of(cell).to_bits())
+    };
+    let mut parts = Vec::new();
+    if differ(|c| c.control_rate_cost) {
+        parts.push(format!("rate cost {}", cell.control_rate_cost));
+    }
+    if differ(|c| c.bandwidth) || parts.is_empty() {
+        parts.push(format!("h {}", cell.bandwidth));
+    }
+    parts.join(", ")
 }

@@ -127,7 +127,9 @@ pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
         fallbacks: race.steps.iter().filter(|row| is_fallback(&row.status)).count() as u64,
         ..plan.row()
     };
-    let laps = race.laps.iter().map(|lap| study_lap(plan, lap)).collect();
+    // The lap of the failure shows what the model was like in it.
+    let failed = race.failed_lap();
+    let laps = race.laps.iter().chain(&failed).map(|lap| study_lap(plan, lap)).collect();
     Ok((run, laps))
 }
 
@@ -142,7 +144,7 @@ fn study_lap(plan: &Plan, lap: &LapRow) -> StudyLap {
         lap: lap.result.lap,
         kind: kind_word(lap.result.kind).to_owned(),
         iteration: lap.iteration,
-        lap_time_s: lap.result.lap_time,
+        lap_time_s: finite(lap.result.lap_time),
         valid: lap.result.valid,
         v_max_mps: lap.v_max,
         e_y_max_m: lap.e_y_max,

@@ -1,0 +1,264 @@
+//! `lmpc` at its process boundary: exit codes, streams, files.
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its files has failed")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own for each test, removed when it is done.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("lmpc-cli-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        let path = self.0.join(name);
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.0.join(name)).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn lmpc(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn race(out: &Path, more: &[&str]) -> Output {
+    let out = out.display().to_string();
+    lmpc(&[&["race", "--out", &out, "--laps", "2"], more].concat())
+}
+
+#[test]
+fn help_shows_examples_and_exit_codes() {
+    for arguments in [vec!["--help"], vec!["race", "--help"], vec!["study", "--help"]] {
+        let output = lmpc(&arguments);
+        assert_eq!(output.status.code(), Some(0));
+        let help = text(&output.stdout);
+        assert!(help.contains("Exit codes") || help.contains("Examples"), "{help}");
+    }
+    assert!(text(&lmpc(&["--version"]).stdout).starts_with("lmpc "));
+    assert!(text(&lmpc(&["completions", "bash"]).stdout).contains("complete -F"));
+}
+
+#[test]
+fn a_wrong_command_line_is_exit_code_2() {
+    for arguments in [
+        vec!["race", "--lapz", "3"],
+        vec!["race", "--laps", "0"],
+        vec!["race", "--set", "horizon.stepz=3"],
+        vec!["race", "--set", "horizon.steps=100000"],
+        vec!["race", "--bandwidth", "-1"],
+        vec!["race", "--plant", "grip=0.9"],
+        vec!["race", "--nominal-mu", "0"],
+        vec!["study", "everything"],
+    ] {
+        let output = lmpc(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn wrong_files_are_exit_code_1_and_named() {
+    let folder = Folder::new("wrong");
+    let config = folder.file("c.toml", "[horizon]\nstepz = 3\n");
+    let track = folder.file("t.csv", "# x_m,y_m,w_r,w_l\n0,0,1,1\nnan,0,1,1\n");
+    let data = folder.file("d.lmpc", "not learned data");
+    let out = folder.0.join("out").display().to_string();
+    for (option, file, reason) in [
+        ("--config", config.as_str(), "stepz"),
+        ("--track", track.as_str(), "line 3"),
+        ("--track", "nowhere.csv", "expected a file or one of"),
+        ("--car", "nothing", "expected a file or one of"),
+        ("--load", data.as_str(), "refused"),
+        ("--load", "nowhere.lmpc", "cannot read"),
+    ] {
+        let output = lmpc(&["race", "--out", &out, option, file]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{option} {file}: {error}");
+        assert!(error.contains(reason) && error.contains(file), "{option} {file}: {error}");
+        assert!(!error.contains("panicked"), "{error}");
+    }
+}
+
+#[test]
+fn race_writes_its_files_the_same_each_time() {
+    let folder = Folder::new("race");
+    let (one, two) = (folder.0.join("one"), folder.0.join("two"));
+    let first = race(&one, &[]);
+    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    assert_eq!(first.stdout.iter().filter(|&&b| b == b'\n').count(), 9, "head, 6 laps, 2 lines");
+    race(&two, &[]);
+    for name in ["laps.csv", "trajectory.csv"] {
+        let bytes = fs::read(one.join(name)).unwrap();
+        assert!(bytes == fs::read(two.join(name)).unwrap(), "{name} differs");
+    }
+    race(&two, &["--seed", "1"]);
+    assert_ne!(fs::read(one.join("laps.csv")).unwrap(), fs::read(two.join("laps.csv")).unwrap());
+
+    let laps = folder.read("one/laps.csv");
+    assert!(laps.starts_with("lap,kind,iteration,lap_time_s,valid,"));
+    let kinds: Vec<&str> = laps.lines().skip(1).map(|l| l.split(',').nth(1).unwrap()).collect();
+    assert_eq!(kinds, ["warmup", "warmup", "warmup", "warmup", "learning", "learning"]);
+    let trajectory = folder.read("one/trajectory.csv");
+    assert!(trajectory.starts_with(
+        "time_s,lap,v_x_mps,v_y_mps,omega_z_radps,e_psi_rad,s_m,e_y_m,a_mps2,delta_rad,x_m,y_m,"
+    ));
+    let columns = trajectory.lines().next().unwrap().split(',').count();
+    assert!(trajectory.lines().all(|line| line.split(',').count() == columns));
+    let report = folder.read("one/report.html");
+    for part in ["<svg", "time-optimal 3.831 s", "data-choose=\"6\"", "prefers-color-scheme: dark"]
+    {
+        assert!(report.contains(part), "{part}");
+    }
+    assert!(!report.contains("http"), "the report needs no network");
+}
+
+#[test]
+fn json_is_all_of_standard_output() {
+    let folder = Folder::new("json");
+    let output = race(&folder.0, &["--json", "--quiet"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["laps"].as_array().unwrap().len(), 6);
+    assert!(value["failure"].is_null() && value["best_lap_s"].as_f64().unwrap() < 14.0);
+    assert!(output.stderr.is_empty());
+}
+
+#[test]
+fn a_car_that_fails_is_exit_code_3_and_says_why() {
+    let folder = Folder::new("fails");
+    // No grip to speak of: the car slides off at warm-up speed.
+    let output = race(&folder.0, &["--plant", "mu=0.01"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("left the track in a warm-up lap"));
+    assert!(folder.read("report.html").contains("left the track"));
+}
+
+#[test]
+fn learned_data_come_back_and_belong_to_their_configuration() {
+    let folder = Folder::new("learned");
+    let data = folder.0.join("learned.lmpc").display().to_string();
+    assert_eq!(race(&folder.0, &["--save", &data]).status.code(), Some(0));
+    let saved = fs::read(&data).unwrap();
+    let more = race(&folder.0, &["--load", &data, "--save", &data]);
+    assert_eq!(more.status.code(), Some(0), "{}", text(&more.stderr));
+    assert!(!text(&more.stdout).contains("warmup"), "it has warmed up already");
+    assert_eq!(fs::read(format!("{data}.bak")).unwrap(), saved, "the one before is kept");
+
+    let other = race(&folder.0, &["--load", &data, "--set", "horizon.steps=14"]);
+    assert_eq!(other.status.code(), Some(1));
+    assert!(text(&other.stderr).contains("steps"), "{}", text(&other.stderr));
+
+    let mut damaged = saved;
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(&data, damaged).unwrap();
+    let output = race(&folder.0, &["--load", &data]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains(".bak"), "says where the one before is");
+}
+
+#[test]
+fn check_finds_everything_at_once() {
+    let folder = Folder::new("check");
+    let config = folder.file(
+        "config.toml",
+        "preset = \"paper\"\n[horizon]\nstepz = 12\nperiod_s = \"fast\"\nsubsteps = 1000\n\
+         [safe_set]\nneighbors = 1\nselection = \"slowest\"\n[regression]\nridge =\n\
+         bandwidth = -1.0\n[tyres]\nmu = 1\nlist = [1,\n2]\n",
+    );
+    let output = lmpc(&["check", &config, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let checked: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let problems = checked[0]["problems"].as_array().unwrap();
+    let lines: Vec<u64> = problems.iter().map(|p| p["line"].as_u64().unwrap()).collect();
+    assert_eq!(lines, [3, 4, 5, 7, 8, 10, 11, 12], "{problems:#?}");
+    assert!(problems[0]["message"].as_str().unwrap().contains("substeps"), "names what is allowed");
+    assert!(problems[2]["message"].as_str().unwrap().contains("1 to 200"));
+
+    let car = folder.file(
+        "car.toml",
+        "mass_kg = \"heavy\"\nl_f_m = -0.13\nwheels = 4\n[tyre_front]\nb = 5.0\nmu = 0.9\n",
+    );
+    let found = text(&lmpc(&["check", &car]).stdout);
+    for part in [
+        "car, ",
+        "line 1",
+        "heavy",
+        "line 2: l_f_m",
+        "line 3",
+        "[tyre_front]: missing field `c`",
+        "`l_r_m`",
+    ] {
+        assert!(found.contains(part), "{part}: {found}");
+    }
+    assert!(!found.contains("missing field `mass_kg`"), "it is there, but wrong: {found}");
+
+    let track = folder.file("oval.csv", "# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,1\n1,x,1,1\n");
+    let found = text(&lmpc(&["check", &track]).stdout);
+    assert!(
+        found.contains("track, ") && found.contains("line 2") && found.contains("line 3"),
+        "{found}"
+    );
+}
+
+#[test]
+fn what_ships_has_no_problems() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let files: Vec<String> = ["cars", "tracks"]
+        .iter()
+        .flat_map(|folder| fs::read_dir(root.join(folder)).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml" || e == "csv"))
+        .map(|path| path.display().to_string())
+        .collect();
+    assert!(files.len() >= 5);
+    let arguments: Vec<&str> =
+        ["check"].into_iter().chain(files.iter().map(String::as_str)).collect();
+    let output = lmpc(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_study_that_was_interrupted_goes_on() {
+    let folder = Folder::new("study");
+    let out = folder.0.display().to_string();
+    let study = ["study", "hardware", "--seeds", "2", "--laps", "1", "--out", &out];
+    let whole = lmpc(&study);
+    assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
+    let (runs, laps) = (folder.read("runs.csv"), folder.read("laps.csv"));
+    assert!(runs.starts_with(
+        "regression,nominal,control_rate_cost,bandwidth,seed,laps_completed,itf,ilt20_s,best_lap_s,failure"
+    ));
+    assert_eq!(runs.lines().count(), 1 + 4 * 2);
+
+    // As a kill leaves it: some runs missing, the last line torn, laps without their run.
+    let kept: String = runs.lines().take(6).map(|l| format!("{l}\n")).collect();
+    folder.file("runs.csv", &(kept + "error,dynamic,0.1,3.0"));
+    let resumed = lmpc(&study);
+    assert!(text(&resumed.stderr).contains("8 runs, 5 kept"), "{}", text(&resumed.stderr));
+    assert_eq!(folder.read("runs.csv"), runs);
+    assert_eq!(folder.read("laps.csv"), laps);
+    assert_eq!(resumed.stdout, whole.stdout);
+
+    // Other settings are other runs.
+    let other = lmpc(&[&study[..], &["--set", "horizon.steps=11"]].concat());
+    assert!(text(&other.stderr).contains("8 runs, 0 kept"), "{}", text(&other.stderr));
+}
