@@ -66,12 +66,14 @@ pub struct Description {
 
 impl Description {
     /// GUID (FMI 2.0) and instantiation token (FMI 3.0): a hash of the model description, which
-    /// names every variable and the version, so description and library cannot be mixed up.
+    /// names every variable and the version, and of the sources. So description, library and
+    /// saved states of different builds cannot be mixed up.
     #[must_use]
     pub fn token(&self) -> &str {
         self.token.get_or_init(|| {
-            let text =
-                xml::fmi2::model_description(self, "") + &xml::fmi3::model_description(self, "");
+            let mut text = xml::fmi2::model_description(self, "");
+            text.push_str(&xml::fmi3::model_description(self, ""));
+            text.push_str(env!("LMPC_FMU_SOURCES"));
             checksum::guid(text.as_bytes())
         })
     }
