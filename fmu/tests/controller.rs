@@ -177,6 +177,29 @@ fn commands_are_the_controllers_bit_for_bit_and_so_after_rollback_and_revival() 
 }
 
 #[test]
+fn a_speed_cap_set_while_stepping_acts_and_keeps_what_was_learned() {
+    let (fmu, mut car) = (Fmu::ready(), plant());
+    let half = STEPS / 2;
+    drive(&mut car, 0, half, |k, x| fmu.step(k, x));
+    let (state, mut again) = (fmu.saved(), car.clone());
+    let free = drive(&mut car.clone(), half, STEPS, |k, x| fmu.step(k, x));
+    let cap = 2.0;
+    // SAFETY: the state is one of this instance; one reference, one value.
+    unsafe {
+        assert_eq!(c::fmi2SetFMUstate(fmu.0, state), 0);
+        assert_eq!(c::fmi2SetReal(fmu.0, &reference("param.limits.speed_cap"), 1, &cap), 0);
+    }
+    let slow = drive(&mut car, half, STEPS, |k, x| fmu.step(k, x));
+    let speed = car.truth().v_x;
+    assert!((1.7..2.1).contains(&speed), "{speed} m/s with a cap of {cap} m/s");
+    assert!(slow != free);
+    // Rolling back takes the cap away again.
+    // SAFETY: as above.
+    assert_eq!(unsafe { c::fmi2SetFMUstate(fmu.0, state) }, 0);
+    assert!(drive(&mut again, half, STEPS, |k, x| fmu.step(k, x)) == free);
+}
+
+#[test]
 fn commands_are_held_between_periods_and_longer_steps_discarded() {
     let fmu = Fmu::ready();
     let x = State { v_x: 1.2, e_y: 0.1, ..State::default() }.to_vector();

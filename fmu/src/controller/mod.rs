@@ -8,7 +8,7 @@ mod start;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use controller::{Action, Command, Controller, ControllerState, Measurement, Pose, Reason};
+use controller::{Action, Command, Config, Controller, ControllerState, Measurement, Pose, Reason};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
@@ -18,15 +18,19 @@ use crate::schedule::Schedule;
 use crate::status::Fault;
 use crate::table::Table;
 use crate::values::Values;
+use settings::Tuned;
 use slots::Slots;
 
 /// The controller behind FMI: solves at every tick of its period, holds its command between.
 pub struct ControllerFmu {
     controller: Controller,
+    /// Configuration without the tunable numbers, and those as they act.
+    base: Config,
+    tuned: Tuned,
     /// Period as configured; ticks times this is the time of a measurement [s].
     period: f64,
     schedule: Schedule,
-    /// Hash of configuration, car and track.
+    /// Hash of fixed configuration, car and track.
     identity: u64,
     laps: Laps,
 }
@@ -46,6 +50,7 @@ pub struct ControllerFmuState {
     identity: u64,
     ticks: i64,
     laps: Laps,
+    tuned: Tuned,
     controller: ControllerState,
 }
 
@@ -107,6 +112,20 @@ fn measurement(values: &Values, time: f64) -> Measurement {
 }
 
 impl ControllerFmu {
+    /// Another controller with these tunable numbers takes over all that this one knows.
+    fn retune(&mut self, tuned: Tuned) -> Result<(), Fault> {
+        if tuned == self.tuned {
+            return Ok(());
+        }
+        let mut config = self.base.clone();
+        slots().settings.tune(&tuned, &mut config);
+        let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
+        let mut next = Controller::new(config, car, track).map_err(start::failed)?;
+        next.resume(&self.controller.state());
+        (self.controller, self.tuned) = (next, tuned);
+        Ok(())
+    }
+
     /// Counts the lap a step finished and keeps what was learned, if asked to.
     fn close_lap(&mut self, io: &mut Io<'_>, command: &Command) -> Result<(), Fault> {
         let Some(result) = command.status.finished else { return Ok(()) };
@@ -173,6 +192,7 @@ impl Model for ControllerFmu {
         if !self.schedule.due_before(step.end() - step.origin) {
             return Ok(());
         }
+        self.retune(slots().settings.tuned(io.values))?;
         let begin = Instant::now();
         // Counted, not summed: equal to every other host's time, bit for bit.
         let command = self.controller.step(&measurement(io.values, tick as f64 * self.period));
@@ -191,6 +211,7 @@ impl Model for ControllerFmu {
             identity: self.identity,
             ticks: self.schedule.count(),
             laps: self.laps,
+            tuned: self.tuned,
             controller: self.controller.state(),
         }
     }
@@ -204,6 +225,7 @@ impl Model for ControllerFmu {
         }
         self.schedule = Schedule::resumed(self.period, state.ticks)
             .ok_or_else(|| Fault::Refused("the state counts too many periods".to_owned()))?;
+        self.retune(state.tuned)?;
         self.laps = state.laps;
         self.controller.resume(&state.controller);
         Ok(())

@@ -147,6 +147,12 @@ const ROWS: &[Row] = &[
     count!("delay", "Whole periods between a command and its effect", [0.0, 20.0], delay.steps),
 ];
 
+/// What may change while stepping; the controller keeps all it learned.
+const TUNABLE: [&str; 2] = ["cost.control_rate", "limits.speed_cap"];
+
+/// Values of the tunable numbers.
+pub(crate) type Tuned = [f64; TUNABLE.len()];
+
 /// Where the numbers are in the table.
 #[derive(Debug)]
 pub(crate) struct Settings {
@@ -159,19 +165,39 @@ impl Settings {
         let config = Config::default();
         let numbers = ROWS.iter().map(|(name, unit, text, [min, max], get, _)| {
             let start = get(&config);
-            let name = format!("param.{name}");
-            let variable = Variable::real(&name, Role::Fixed, *unit, text);
+            let role = if TUNABLE.contains(name) { Role::Tunable } else { Role::Fixed };
+            let variable = Variable::real(&format!("param.{name}"), role, *unit, text);
             (table.add_real(variable.start(start).range(*min, *max)), start)
         });
         Self { numbers: numbers.collect() }
     }
 
-    /// Writes every number that is not at its start value into the configuration.
+    /// Writes every fixed number that is not at its start value into the configuration.
     pub(crate) fn apply(&self, values: &Values, config: &mut Config) {
-        for ((slot, start), (.., set)) in self.numbers.iter().zip(ROWS) {
+        for ((slot, start), (name, .., set)) in self.numbers.iter().zip(ROWS) {
             let value = values.real(*slot);
-            if value.to_bits() != start.to_bits() {
+            if value.to_bits() != start.to_bits() && !TUNABLE.contains(name) {
                 set(config, value);
+            }
+        }
+    }
+
+    /// The tunable numbers now.
+    pub(crate) fn tuned(&self, values: &Values) -> Tuned {
+        TUNABLE.map(|tunable| {
+            let place = ROWS.iter().position(|row| row.0 == tunable);
+            place.map_or(0.0, |i| values.real(self.numbers[i].0))
+        })
+    }
+
+    /// Writes every tunable number that is not at its start value into the configuration.
+    pub(crate) fn tune(&self, tuned: &Tuned, config: &mut Config) {
+        for (tunable, value) in TUNABLE.iter().zip(tuned) {
+            let rows = self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable);
+            for ((_, start), (.., set)) in rows {
+                if value.to_bits() != start.to_bits() {
+                    set(config, *value);
+                }
             }
         }
     }
@@ -189,11 +215,13 @@ mod tests {
         let paper = Config::preset(controller::Preset::Paper);
         let mut config = paper.clone();
         settings.apply(&values, &mut config);
+        settings.tune(&settings.tuned(&values), &mut config);
         assert_eq!(config, paper);
         for ((slot, start), (.., [_, max], get, _)) in settings.numbers.iter().zip(ROWS) {
             let value = if *start == 7.0 { 8.0 } else { max.min(7.0) };
             values.set_real(*slot, value);
             settings.apply(&values, &mut config);
+            settings.tune(&settings.tuned(&values), &mut config);
             assert_eq!(get(&config), value);
         }
     }

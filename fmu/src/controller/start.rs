@@ -10,7 +10,7 @@ use crate::model::Io;
 use crate::schedule::Schedule;
 use crate::status::Fault;
 
-fn failed(e: impl std::fmt::Display) -> Fault {
+pub(super) fn failed(e: impl std::fmt::Display) -> Fault {
     Fault::Failed(e.to_string())
 }
 
@@ -38,7 +38,7 @@ fn config(io: &Io<'_>) -> Result<Config, Fault> {
 
 pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     let slots = slots();
-    let config = config(io)?;
+    let mut config = config(io)?;
     let car = files::car(io, io.values.text(slots.car))?;
     let track = files::track(io, io.values.text(slots.track))?;
     let mut identity = postcard::to_allocvec(&config).map_err(failed)?;
@@ -46,6 +46,8 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     identity.extend(track.fingerprint().to_le_bytes());
     let period = config.horizon.period;
     let schedule = Schedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
+    let (base, tuned) = (config.clone(), slots.settings.tuned(io.values));
+    slots.settings.tune(&tuned, &mut config);
     let mut controller = Controller::new(config, car, track).map_err(failed)?;
     let path = io.values.text(slots.load);
     if !path.is_empty() {
@@ -56,5 +58,5 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
         io.log.event(format!("{} laps of learned data from {path}", controller.laps().len()));
     }
     let (identity, laps) = (fnv1a(&identity), Laps::default());
-    Ok(ControllerFmu { controller, period, schedule, identity, laps })
+    Ok(ControllerFmu { controller, base, tuned, period, schedule, identity, laps })
 }
