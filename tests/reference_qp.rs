@@ -1,8 +1,8 @@
 //! The FHOCP against QPs of an independent implementation: same objective, same first input.
 
 use controller::Affine;
-use controller::config::SolverConfig;
-use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, SlipRow, Solution};
+use controller::config::{SolverConfig, SolverMethod};
+use controller::fhocp::{Backend, Fhocp, FhocpSolver, SlipRow, Solution, Solver};
 use lmpc_tests::read_reference;
 use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
 use serde::Deserialize;
@@ -100,10 +100,11 @@ impl Qp {
     }
 }
 
-fn compare(name: &str, slip: bool) {
+fn compare(name: &str, slip: bool, method: SolverMethod, backend: Backend) {
     let file: File = read_reference(name);
     assert!(!file.qps.is_empty());
-    let mut solver = ClarabelSolver::new(SolverConfig { tolerance: 1e-9, max_iterations: 100 });
+    let config = SolverConfig { method, tolerance: 1e-9, max_iterations: 100 };
+    let mut solver = Solver::new(config);
     for (k, qp) in file.qps.iter().enumerate() {
         assert!(qp.l.iter().take(qp.n_eq).eq(qp.u.iter().take(qp.n_eq)), "equalities first");
         let problem = qp.stages(slip);
@@ -111,6 +112,7 @@ fn compare(name: &str, slip: bool) {
         let mut solution = Solution::new(n, problem.hull.len());
         let report = solver.solve(&problem, &mut solution);
         assert!(report.status.usable(), "{name} {k}: {report:?}");
+        assert_eq!(report.backend, backend, "{name} {k}: no handing over");
         // The reference objective leaves out the constant r u_prev^2.
         let constant = problem.rate_cost.dot(&problem.u_prev.component_mul(&problem.u_prev));
         let objective = problem.cost(&solution) - constant;
@@ -130,12 +132,17 @@ fn compare(name: &str, slip: bool) {
     }
 }
 
+fn both(name: &str, slip: bool) {
+    compare(name, slip, SolverMethod::Clarabel, Backend::Clarabel);
+    compare(name, slip, SolverMethod::Structured, Backend::Structured);
+}
+
 #[test]
 fn reference_qps_plain() {
-    compare("qps_plain_N10K6.json", false);
+    both("qps_plain_N10K6.json", false);
 }
 
 #[test]
 fn reference_qps_with_slip_guard() {
-    compare("qps_slip_N15K10.json", true);
+    both("qps_slip_N15K10.json", true);
 }

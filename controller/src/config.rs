@@ -209,10 +209,23 @@ pub struct DelayConfig {
     pub steps: usize,
 }
 
+/// Which method solves the QP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverMethod {
+    /// The structured interior-point method; Clarabel takes what it cannot solve.
+    Structured,
+    /// Clarabel alone.
+    #[default]
+    Clarabel,
+}
+
 /// QP solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverConfig {
+    /// Which method.
+    pub method: SolverMethod,
     /// Tolerance of gap and feasibility.
     pub tolerance: f64,
     /// Most iterations of one solve.

@@ -7,7 +7,7 @@ use crate::controller::Controller;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
 use crate::learning::grip;
-use crate::learning::regression::RegressionData;
+use crate::learning::regression::{RegressionData, Targets};
 use crate::memory::{Derived, Memory};
 use crate::status::LapKind;
 use crate::store::{self, Identity, Learned};
@@ -16,19 +16,21 @@ impl Controller {
     /// Lap-end work: grip, safe-set laps, regression targets and tree.
     pub(crate) fn learn(&mut self) {
         self.memory.lap_due = false;
-        let laps = &self.memory.dataset.laps;
-        if self.setup.config.nominal.adapt_grip
-            && self.setup.config.nominal.model == NominalModel::Dynamic
-        {
-            let recent = laps.iter().rev().flat_map(|lap| lap.samples.iter().rev());
-            self.memory.grip =
-                grip::fit(&self.setup.model, &self.setup.track, recent.take(grip::SAMPLES));
-            self.setup.model.model.grip = self.memory.grip;
+        let nominal = &self.setup.config.nominal;
+        if nominal.adapt_grip && nominal.model == NominalModel::Dynamic {
+            let laps = self.memory.dataset.laps.iter().rev();
+            let recent = laps.flat_map(|lap| lap.samples.iter().rev()).take(grip::SAMPLES);
+            let fitted = grip::fit(&self.setup.model, &self.setup.track, recent);
+            // Each change makes all residuals anew: one that matters to nobody is not made.
+            if grip::differ(fitted, self.memory.grip) {
+                self.memory.grip = fitted;
+                self.setup.model.model.grip = fitted;
+            }
         }
         self.derive();
     }
 
-    /// Makes anew what follows from laps and grip.
+    /// Makes anew what follows from laps and grip; a lap's residuals only if the grip changed.
     pub(crate) fn derive(&mut self) {
         let (config, laps) = (&self.setup.config, &self.memory.dataset.laps);
         let fastest = config.safe_set.selection == Selection::Fastest;
@@ -37,17 +39,29 @@ impl Controller {
             0 => laps.len(),
             count => count.min(laps.len()),
         };
-        let recent = laps[laps.len() - used..].iter().map(Arc::as_ref);
+        let before = &self.memory.derived;
+        let kept = (before.grip == self.memory.grip).then_some(&before.targets);
+        let first = laps.len() - used;
+        let targets: Vec<_> = (first..laps.len())
+            .map(|i| kept.and_then(|kept| find(kept, i)).unwrap_or_else(|| (i, self.targets(i))))
+            .collect();
+        let of_laps = targets.iter().map(|(_, targets)| targets.as_ref());
+        let regression = RegressionData::new(of_laps, &config.regression);
+        let grip = self.memory.grip;
+        self.memory.derived = Arc::new(Derived { selected, regression, targets, grip });
+    }
+
+    /// What the regression learns from a lap.
+    fn targets(&self, lap: usize) -> Arc<Targets> {
         let (model, track) = (&self.setup.model, &self.setup.track);
-        let error = config.regression.mode == RegressionMode::Error;
-        let regression = RegressionData::new(recent, &config.regression, |x, u, next| {
+        let error = self.setup.config.regression.mode == RegressionMode::Error;
+        Arc::new(Targets::new(&self.memory.dataset.laps[lap], |x, u, next| {
             if !error {
                 return next;
             }
             let f = model.next(x, u, |s| track.kappa(s));
             [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
-        });
-        self.memory.derived = Arc::new(Derived { selected, regression });
+        }))
     }
 
     /// Everything learned, as bytes with a checksum and the fingerprint of car, track and
@@ -89,4 +103,9 @@ impl Controller {
             &self.setup.config,
         )
     }
+}
+
+/// The targets kept of lap `i`.
+fn find(kept: &[(usize, Arc<Targets>)], i: usize) -> Option<(usize, Arc<Targets>)> {
+    kept.binary_search_by_key(&i, |(lap, _)| *lap).ok().map(|at| kept[at].clone())
 }

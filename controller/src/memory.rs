@@ -10,7 +10,7 @@ use vehicle_model::{Input, State};
 
 use crate::config::Config;
 use crate::learning::dataset::Dataset;
-use crate::learning::regression::RegressionData;
+use crate::learning::regression::{RegressionData, Targets};
 use crate::plan::Plan;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
@@ -62,6 +62,10 @@ pub(crate) struct Derived {
     /// Laps of the safe set.
     pub(crate) selected: Vec<usize>,
     pub(crate) regression: RegressionData,
+    /// Regression samples by lap, ascending.
+    pub(crate) targets: Vec<(usize, Arc<Targets>)>,
+    /// Grip with which their residuals were computed.
+    pub(crate) grip: [f64; 2],
 }
 
 /// A measurement that was believed.

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{
     Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
-    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, WarmUpConfig,
+    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
+    WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -27,6 +28,13 @@ impl Config {
             Preset::Paper => Self::paper(),
             Preset::Race => Self::race(),
         }
+    }
+
+    /// Settings shipped for a built-in car, as TOML over its preset; none for cars that the
+    /// presets fit as they are.
+    #[must_use]
+    pub fn of_car(name: &str) -> Option<&'static str> {
+        (name == "iac").then_some(include_str!("../../config/iac.toml"))
     }
 
     fn paper() -> Self {
@@ -65,7 +73,11 @@ impl Config {
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
-            solver: SolverConfig { tolerance: 1e-8, max_iterations: 60 },
+            solver: SolverConfig {
+                method: SolverMethod::Clarabel,
+                tolerance: 1e-8,
+                max_iterations: 60,
+            },
         }
     }
 

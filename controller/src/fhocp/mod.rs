@@ -17,14 +17,18 @@
 
 mod clarabel_solver;
 mod layout;
+mod riccati;
 mod slacks;
+mod solver;
 
-use nalgebra::{Vector2, Vector6};
+use nalgebra::{Matrix6, Vector2, Vector6};
 
 pub use clarabel_solver::ClarabelSolver;
 pub(crate) use clarabel_solver::SolverSeed;
+pub use riccati::RiccatiSolver;
 pub use slacks::Slacks;
 pub(crate) use slacks::greatest;
+pub use solver::Solver;
 
 use crate::affine::Affine;
 use crate::status::SolveStatus;
@@ -151,6 +155,19 @@ impl Fhocp {
             })
     }
 
+    /// Growth of the linear prediction: the greatest entry of |A_t ... A_0| over the horizon. Far
+    /// above 1 the plan's end depends on nothing but the first digits of its start.
+    #[must_use]
+    pub fn growth(&self) -> f64 {
+        let mut product = Matrix6::identity();
+        let mut growth: f64 = 1.0;
+        for model in &self.model {
+            product = model.a * product;
+            growth = growth.max(product.amax());
+        }
+        growth
+    }
+
     /// The optimal value's formula, evaluated at a trajectory: slacks as small as it allows.
     #[must_use]
     pub fn cost(&self, solution: &Solution) -> f64 {
@@ -215,6 +232,15 @@ impl Solution {
     }
 }
 
+/// Which solver a solution is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Backend {
+    /// The structured interior-point method, [`RiccatiSolver`].
+    Structured,
+    /// Clarabel, [`ClarabelSolver`].
+    Clarabel,
+}
+
 /// How a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SolveReport {
@@ -222,6 +248,8 @@ pub struct SolveReport {
     pub status: SolveStatus,
     /// Iterations.
     pub iterations: u32,
+    /// Which solver it was.
+    pub backend: Backend,
 }
 
 /// A solver of the FHOCP. Its result depends on the problem alone, not on earlier solves.

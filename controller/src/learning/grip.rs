@@ -19,6 +19,8 @@ const PULL: f64 = 0.1;
 const STEPS: usize = 4;
 /// A step smaller than this ends the iteration.
 const DONE: f64 = 1e-4;
+/// Factors that differ by less than this are the same.
+const SAME: f64 = 1e-3;
 /// Factors outside this range are no grip of a road.
 const RANGE: (f64, f64) = (0.2, 3.0);
 
@@ -54,4 +56,9 @@ pub(crate) fn fit<'a>(
         }
     }
     model.model.grip
+}
+
+/// Whether two fits differ enough to matter.
+pub(crate) fn differ(a: [f64; 2], b: [f64; 2]) -> bool {
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > SAME)
 }

@@ -124,7 +124,34 @@ fn place<const F: usize, const F1: usize, const R: usize>(
     }
 }
 
-/// The stored samples of the laps in use, with their targets.
+/// Regression samples of one lap. They depend on the lap and on the nominal model alone, so that
+/// each lap's residuals are computed once.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Targets {
+    z: Vec<[f64; DIMENSIONS]>,
+    y: Vec<[f64; ROWS]>,
+}
+
+impl Targets {
+    /// The samples of `lap`; `target` maps x, u and the next velocities to y.
+    pub(crate) fn new(
+        lap: &Lap,
+        mut target: impl FnMut(&State, &Input, [f64; ROWS]) -> [f64; ROWS],
+    ) -> Self {
+        let mut targets = Self::default();
+        for sample in &lap.samples {
+            let Some(next) = sample.next else { continue };
+            let y = target(&sample.x, &sample.u, next);
+            if y.iter().all(|v| v.is_finite()) {
+                targets.z.push(regressor(&sample.x, &sample.u));
+                targets.y.push(y);
+            }
+        }
+        targets
+    }
+}
+
+/// The samples of all laps in use, with a tree over them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RegressionData {
     z: Vec<[f64; DIMENSIONS]>,
@@ -141,21 +168,16 @@ pub(crate) struct Scratch {
 }
 
 impl RegressionData {
-    /// Collects the samples of `laps`; `target` maps a sample's x, u and next velocities to y.
+    /// Collects the laps' samples.
     pub(crate) fn new<'a>(
-        laps: impl Iterator<Item = &'a Lap>,
+        laps: impl Iterator<Item = &'a Targets>,
         config: &RegressionConfig,
-        mut target: impl FnMut(&State, &Input, [f64; ROWS]) -> [f64; ROWS],
     ) -> Self {
         let scale = config.metric.map(f64::sqrt);
         let mut data = Self { scale, ..Self::default() };
-        for sample in laps.flat_map(|lap| &lap.samples) {
-            let Some(next) = sample.next else { continue };
-            let y = target(&sample.x, &sample.u, next);
-            if y.iter().all(|v| v.is_finite()) {
-                data.z.push(regressor(&sample.x, &sample.u));
-                data.y.push(y);
-            }
+        for lap in laps {
+            data.z.extend_from_slice(&lap.z);
+            data.y.extend_from_slice(&lap.y);
         }
         data.tree = Tree::new(data.z.iter().map(|z| scaled(z, &scale)));
         data

@@ -37,6 +37,9 @@ pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
 
 fn config(args: &ControllerArgs) -> Result<Config> {
     let mut layers = Layers::default();
+    if let Some(shipped) = Config::of_car(&args.car) {
+        layers.text(shipped)?;
+    }
     if let Some(path) = &args.config {
         layers.file(path)?;
     }

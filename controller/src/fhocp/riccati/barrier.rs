@@ -1,0 +1,207 @@
+//! Complementarity of the rows: w z = mu, gap w of each row and its multiplier z.
+//!
+//! Newton's step on `a'v + w = b`, `w z = target` for a row with residual `r = a'v + w - b`, its
+//! first equation regularised to `a'dv + dw - delta dz = -r`:
+//!
+//! ```text
+//! dw     = delta dz - r - a'dv
+//! z + dz = pull + sigma a'dv
+//! sigma  = z / (w + delta z)
+//! pull   = (target - dw_aff dz_aff + z (r + delta z)) / (w + delta z)
+//! ```
+//!
+//! so a row adds `sigma a a'` to the Hessian and `pull a` to the gradient. Without delta the
+//! curvature of an active row grows without bound (as 1 / mu), and with it the rounding errors of
+//! the Riccati recursion; with it, sigma stays below 1 / delta. What is left of r vanishes with
+//! dz: the point of convergence is not moved.
+
+/// Rows as flat arrays of one length.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Barrier {
+    /// Gaps, positive.
+    pub(super) w: Vec<f64>,
+    /// Multipliers, positive.
+    pub(super) z: Vec<f64>,
+    /// Right-hand sides.
+    pub(super) b: Vec<f64>,
+    /// a'v + w - b.
+    pub(super) r: Vec<f64>,
+    /// Image a'v of the iterate or a'dv of the direction.
+    pub(super) image: Vec<f64>,
+    /// Curvature z / w.
+    pub(super) sigma: Vec<f64>,
+    /// Gradient's coefficient.
+    pub(super) pull: Vec<f64>,
+    /// Scale of each row.
+    pub(super) width: Vec<f64>,
+    /// Regularisation of each row.
+    pub(super) delta: Vec<f64>,
+    inverse: Vec<f64>,
+    inverse_w: Vec<f64>,
+    inverse_z: Vec<f64>,
+    dw: Vec<f64>,
+    dz: Vec<f64>,
+}
+
+impl Barrier {
+    pub(super) fn resize(&mut self, rows: usize) {
+        for values in [
+            &mut self.w,
+            &mut self.z,
+            &mut self.b,
+            &mut self.r,
+            &mut self.image,
+            &mut self.sigma,
+            &mut self.pull,
+            &mut self.width,
+            &mut self.delta,
+            &mut self.inverse,
+            &mut self.inverse_w,
+            &mut self.inverse_z,
+            &mut self.dw,
+            &mut self.dz,
+        ] {
+            values.resize(rows, 0.0);
+        }
+    }
+
+    /// Sum of w z: the duality gap of a feasible point.
+    #[inline(always)]
+    pub(super) fn gap(&self) -> f64 {
+        dot(&self.w, &self.z)
+    }
+
+    /// Residuals from the image of the iterate; returns the greatest.
+    #[inline(always)]
+    pub(super) fn residuals(&mut self) -> f64 {
+        let rows = self.r.iter_mut().zip(&self.image).zip(&self.w).zip(&self.b);
+        let mut greatest: f64 = 0.0;
+        for (((r, image), w), b) in rows {
+            *r = image + w - b;
+            greatest = if r.abs() > greatest { r.abs() } else { greatest };
+        }
+        greatest
+    }
+
+    /// Curvature and pull of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.
+    #[inline(always)]
+    pub(super) fn penalise(&mut self, weight: f64) {
+        let rows = self.image.iter().zip(&self.b).zip(&self.width);
+        for ((sigma, pull), ((image, b), width)) in
+            self.sigma.iter_mut().zip(&mut self.pull).zip(rows)
+        {
+            *sigma = weight / (width * width);
+            *pull = *sigma * (image - b);
+        }
+    }
+
+    /// Gaps from the image, no less than `least` of the width, and multipliers mu / w.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, least: f64, mu: f64) {
+        for i in 0..self.w.len() {
+            self.w[i] = (self.b[i] - self.image[i]).max(least * self.width[i]);
+            self.z[i] = mu / self.w[i];
+        }
+    }
+
+    /// sigma, and the pull of the predictor (target 0).
+    #[inline(always)]
+    pub(super) fn predict(&mut self) {
+        let rows = self.w.iter().zip(&self.z).zip(&self.r).zip(&self.delta);
+        let out = self.inverse.iter_mut().zip(&mut self.sigma).zip(&mut self.pull);
+        for ((((w, z), r), delta), ((inverse, sigma), pull)) in rows.zip(out) {
+            *inverse = 1.0 / (w + delta * z);
+            *sigma = z * *inverse;
+            *pull = *sigma * (r + delta * z);
+        }
+        for (inverse, w) in self.inverse_w.iter_mut().zip(&self.w) {
+            *inverse = 1.0 / w;
+        }
+        for (inverse, z) in self.inverse_z.iter_mut().zip(&self.z) {
+            *inverse = 1.0 / z;
+        }
+    }
+
+    /// The pull of the corrector; `second` weights the second-order term of the direction in
+    /// place.
+    #[inline(always)]
+    pub(super) fn correct(&mut self, target: f64, second: f64) {
+        let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r).zip(&self.delta);
+        for (((((dw, dz), z), r), delta), (pull, inverse)) in
+            rows.zip(self.pull.iter_mut().zip(&self.inverse))
+        {
+            *pull = (target - second * dw * dz + z * (r + delta * z)) * inverse;
+        }
+    }
+
+    /// dw and dz from the image of the direction.
+    #[inline(always)]
+    pub(super) fn direction(&mut self) {
+        let rows = self.image.iter().zip(&self.r).zip(&self.z).zip(&self.sigma).zip(&self.pull);
+        for ((((((image, r), z), sigma), pull), delta), (dw, dz)) in
+            rows.zip(&self.delta).zip(self.dw.iter_mut().zip(&mut self.dz))
+        {
+            *dz = pull + sigma * image - z;
+            *dw = delta * *dz - r - image;
+        }
+    }
+
+    /// Greatest step in [0, 1] that keeps w and z from crossing 0.
+    #[inline(always)]
+    pub(super) fn step(&self) -> f64 {
+        // Greatest of -dw/w and -dz/z in independent lanes, so that it can be vectorised.
+        const LANES: usize = 4;
+        let mut worst = [1.0; LANES];
+        let rows = self.w.len() / LANES * LANES;
+        let inverses = self.inverse_w.chunks_exact(LANES).zip(self.inverse_z.chunks_exact(LANES));
+        let steps = self.dw.chunks_exact(LANES).zip(self.dz.chunks_exact(LANES));
+        for ((w, z), (dw, dz)) in inverses.zip(steps) {
+            for l in 0..LANES {
+                let (primal, dual) = (-dw[l] * w[l], -dz[l] * z[l]);
+                let ratio = if primal > dual { primal } else { dual };
+                worst[l] = if ratio > worst[l] { ratio } else { worst[l] };
+            }
+        }
+        let mut greatest = worst.iter().copied().fold(1.0, f64::max);
+        for i in rows..self.w.len() {
+            let (primal, dual) = (-self.dw[i] * self.inverse_w[i], -self.dz[i] * self.inverse_z[i]);
+            greatest = greatest.max(primal).max(dual);
+        }
+        1.0 / greatest
+    }
+
+    /// The gap after a step.
+    #[inline(always)]
+    pub(super) fn gap_after(&self, step: f64) -> f64 {
+        self.gap()
+            + step * (dot(&self.w, &self.dz) + dot(&self.z, &self.dw))
+            + step * step * dot(&self.dw, &self.dz)
+    }
+
+    /// Takes the step.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, step: f64) {
+        for (w, dw) in self.w.iter_mut().zip(&self.dw) {
+            *w += step * dw;
+        }
+        for (z, dz) in self.z.iter_mut().zip(&self.dz) {
+            *z += step * dz;
+        }
+    }
+}
+
+/// Inner product in independent lanes.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let tail = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b);
+    let tail: f64 = tail.sum();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a_chunks.zip(b_chunks) {
+        for l in 0..LANES {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    sums.iter().sum::<f64>() + tail
+}

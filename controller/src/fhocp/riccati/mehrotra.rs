@@ -1,0 +1,268 @@
+//! Mehrotra's predictor-corrector: the iteration and when it ends.
+
+use nalgebra::{Vector2, Vector6};
+
+use super::super::layout::Shape;
+use super::super::{Fhocp, Solution, SolveReport};
+use super::barrier::Barrier;
+use super::hull::Hull;
+use super::recursion::{Gain, Model, backward, costates, factor, forward};
+use super::report;
+use super::rows::{Point, Rows, quantities};
+use super::stage::{Curvature, Gradient, penalty};
+use crate::config::SolverConfig;
+use crate::status::SolveStatus;
+
+/// Part of the way to the boundary that a step takes.
+const TO_BOUNDARY: f64 = 0.995;
+/// Steps below this are tried again with more centring.
+const SHORT: f64 = 0.2;
+/// Centring of that second try.
+const RECENTRING: f64 = 0.5;
+/// Least gap aimed at, in units of the tolerance.
+const LEAST_TARGET: f64 = 0.1;
+/// Iterations without progress before giving up.
+const PATIENCE: u32 = 12;
+/// Error below which a solution that missed the tolerance is still called almost solved.
+const REDUCED_TOLERANCE: f64 = 1e-5;
+/// Weight of the dual residual among the errors.
+const DUAL_SHARE: f64 = 0.01;
+
+/// How far an iterate is from the optimum.
+#[derive(Debug, Clone, Copy)]
+struct Residuals {
+    /// Duality gap relative to the cost.
+    gap: f64,
+    /// Greatest violation of a row.
+    primal: f64,
+    /// Greatest entry of the Lagrangian's gradient.
+    dual: f64,
+}
+
+impl Residuals {
+    fn worst(&self) -> f64 {
+        self.gap.max(self.primal).max(self.dual)
+    }
+}
+
+/// Memory of one shape.
+pub(super) struct Work {
+    pub(super) rows: Rows,
+    pub(super) point: Point,
+    pub(super) direction: Point,
+    best: Point,
+    pub(super) barrier: Barrier,
+    pub(super) hull: Hull,
+    curvature: Vec<Curvature>,
+    gradient: Vec<Gradient>,
+    gains: Vec<Gain>,
+    pub(super) models: Vec<Model>,
+    /// Costates of x_1..x_N, and those a full step leads to.
+    pub(super) costate: Vec<Vector6<f64>>,
+    pub(super) costate_next: Vec<Vector6<f64>>,
+}
+
+impl Work {
+    pub(super) fn new(shape: Shape) -> Self {
+        let rows = Rows::of(shape);
+        let mut work = Self {
+            rows,
+            point: Point::default(),
+            direction: Point::default(),
+            best: Point::default(),
+            barrier: Barrier::default(),
+            hull: Hull::default(),
+            curvature: vec![Curvature::default(); shape.horizon],
+            gradient: vec![Gradient::default(); shape.horizon],
+            models: vec![Model::default(); shape.horizon],
+            gains: vec![Gain::default(); shape.horizon],
+            costate: vec![Vector6::zeros(); shape.horizon],
+            costate_next: vec![Vector6::zeros(); shape.horizon],
+        };
+        for point in [&mut work.point, &mut work.direction, &mut work.best] {
+            point.resize(&shape);
+        }
+        work.barrier.resize(rows.count());
+        work.hull.resize(shape.hull);
+        work
+    }
+
+    /// Iterates from the start; the best iterate ends up in `best`.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, problem: &Fhocp, config: &SolverConfig) -> SolveReport {
+        let mut least = f64::INFINITY;
+        let mut since = 0;
+        let mut iterations = 0;
+        let mut running = self.start(problem);
+        while running {
+            let residuals = self.residuals(problem);
+            let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
+            if error < least {
+                (least, since) = (error, 0);
+                self.best.copy(&self.point);
+            } else {
+                since += 1;
+            }
+            // An error that is not finite fails every comparison.
+            if least <= config.tolerance || !error.is_finite() || since > PATIENCE {
+                break;
+            }
+            if iterations == config.max_iterations {
+                break;
+            }
+            iterations += 1;
+            running = self.iterate(problem, config);
+        }
+        let status = if least <= config.tolerance {
+            SolveStatus::Solved
+        } else if least <= REDUCED_TOLERANCE {
+            SolveStatus::AlmostSolved
+        } else if least.is_finite() {
+            SolveStatus::MaxIterations
+        } else {
+            SolveStatus::Numerical
+        };
+        report(status, iterations)
+    }
+
+    /// One predictor-corrector step; false if it broke down.
+    #[inline(always)]
+    fn iterate(&mut self, problem: &Fhocp, config: &SolverConfig) -> bool {
+        self.barrier.predict();
+        if !self.condense(problem) {
+            return false;
+        }
+        self.direction(problem, false);
+        let rows = self.rows.count() as f64;
+        let gap = self.barrier.gap();
+        let after = self.barrier.gap_after(self.barrier.step());
+        let centring = (after / gap).powi(3);
+        // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
+        let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
+        self.barrier.correct(target, 1.0);
+        self.direction(problem, false);
+        let mut step = self.barrier.step();
+        if step < SHORT {
+            // The second-order term misleads far from the central path: go back towards it.
+            self.barrier.correct(target.max(RECENTRING * gap / rows), 0.0);
+            self.direction(problem, false);
+            step = self.barrier.step();
+        }
+        let step = TO_BOUNDARY * step;
+        let Point { x, u, .. } = &self.direction;
+        costates(&self.gains, x, u, &mut self.costate_next);
+        self.point.advance(step, &self.direction);
+        self.barrier.advance(step);
+        self.hull.advance(step);
+        for (costate, next) in self.costate.iter_mut().zip(&self.costate_next) {
+            *costate += (next - *costate) * step;
+        }
+        self.renormalise();
+        true
+    }
+
+    /// Eliminates the slacks and the hull, and factors the rest; false if it broke down.
+    #[inline(always)]
+    pub(super) fn condense(&mut self, problem: &Fhocp) -> bool {
+        let hull = self.rows.hull();
+        for (t, curvature) in self.curvature.iter_mut().enumerate() {
+            *curvature =
+                Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
+        }
+        if !self.hull.factor(&self.barrier.sigma[hull..]) {
+            return false;
+        }
+        factor(problem, &self.models, &self.curvature, &self.hull.p, &mut self.gains);
+        true
+    }
+
+    /// Direction for the pulls in place; `defects` of the dynamics stand in `costate_next`.
+    #[inline(always)]
+    pub(super) fn direction(&mut self, problem: &Fhocp, defects: bool) {
+        let hull = self.rows.hull();
+        let mut u_before = problem.u_prev;
+        for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
+        {
+            let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
+            *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
+            curvature.eliminate(gradient);
+            u_before = *u;
+        }
+        let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
+        let defect = defects.then_some(&self.costate_next[..]);
+        backward(
+            problem,
+            &self.models,
+            &self.curvature,
+            &self.gradient,
+            defect,
+            &terminal,
+            &mut self.gains,
+        );
+        let Point { x, u, s, lambda } = &mut self.direction;
+        forward(&self.models, &self.gains, defect, x, u);
+        for (t, s) in s.iter_mut().enumerate() {
+            let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
+            *s = self.curvature[t].slacks(&self.gradient[t], &dy);
+        }
+        self.hull.direction(&x[problem.horizon()], lambda);
+        self.rows.image(problem, &self.direction, Vector2::zeros(), &mut self.barrier.image);
+        self.barrier.direction();
+    }
+
+    /// The weights sum to 1 and are the gaps of their rows.
+    #[inline(always)]
+    pub(super) fn renormalise(&mut self) {
+        let sum: f64 = self.point.lambda.iter().sum();
+        let gaps = &mut self.barrier.w[self.rows.hull()..];
+        for (lambda, gap) in self.point.lambda.iter_mut().zip(gaps) {
+            *lambda /= sum;
+            *gap = *lambda;
+        }
+    }
+
+    /// Residuals of the iterate, those of the rows left in place for the next step.
+    #[inline(always)]
+    fn residuals(&mut self, problem: &Fhocp) -> Residuals {
+        let hull = self.rows.hull();
+        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        let primal = self.barrier.residuals();
+        self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
+        let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
+        let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
+        let penalty = penalty(problem);
+        let mut scale: f64 = 1.0;
+        // Stationarity of x_{t+1} without its own rows, and the rate's part on the input before.
+        let (mut after, mut rate_after) = (self.hull.y, Vector2::zeros());
+        for t in (0..problem.horizon()).rev() {
+            let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
+            let z = self.rows.stage(t, &self.barrier.z);
+            let (u, s) = (&self.point.u[t], &self.point.s[t]);
+            let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
+            let du = u - u_before;
+            cost += problem.input_cost.dot(&u.component_mul(u))
+                + problem.rate_cost.dot(&du.component_mul(&du));
+            for ((linear, quadratic), s) in penalty.iter().zip(s) {
+                cost += (linear + quadratic * s) * s;
+            }
+            let pi = &self.costate[t];
+            let (a_pi, b_pi) = self.models[t].adjoint(pi);
+            let state = after + gradient.next_state(problem, t) - pi;
+            let input = gradient.input(problem, t) + gradient.rate - rate_after + b_pi;
+            dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
+            dual = dual.max(state.amax()).max(input.amax());
+            scale = scale.max(pi.amax());
+            after = a_pi + gradient.state(problem, t);
+            rate_after = gradient.rate;
+        }
+        let gap = self.barrier.gap() / (1.0 + cost.abs());
+        // Costates carry the rounding of a curvature up to 1 / delta.
+        Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
+    }
+
+    pub(super) fn write(&self, solution: &mut Solution) {
+        solution.x.copy_from_slice(&self.best.x);
+        solution.u.copy_from_slice(&self.best.u);
+        solution.lambda.copy_from_slice(&self.best.lambda);
+    }
+}

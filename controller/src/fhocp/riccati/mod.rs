@@ -1,0 +1,104 @@
+//! The FHOCP solved by an interior-point method made for it.
+//!
+//! Mehrotra's predictor-corrector (Nocedal and Wright, Numerical Optimization, ch. 16.6) on
+//!
+//! ```text
+//! minimise f(v)  subject to  A v + w = b,  w >= 0
+//! ```
+//!
+//! where v holds the inputs, the slacks and the hull weights, and x follows from the inputs
+//! ([`rows`] says which inequality stands where). Each iteration
+//!
+//! 1. forms sigma = z / w, the curvature every row adds ([`barrier`]);
+//! 2. eliminates the slacks of each stage ([`stage`]) and the weights of the hull ([`hull`]);
+//! 3. factors what is left, a linear quadratic regulator, by the Riccati recursion
+//!    ([`recursion`]) in O(N);
+//! 4. solves twice with that factor: for the predictor (target 0), then for the corrector, whose
+//!    target and second-order term come from the predictor;
+//! 5. takes one step length for v, w and z ([`mehrotra`]).
+//!
+//! [`start`] says where it begins. The dynamics and the sum of the weights hold from the start and stay held, since directions
+//! keep them; only the inequalities carry residuals. All memory is laid out once per shape, and
+//! the result depends on the problem alone.
+
+mod barrier;
+mod hull;
+mod mehrotra;
+mod product;
+mod recursion;
+mod rows;
+mod stage;
+mod start;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use self::mehrotra::Work;
+use super::layout::Shape;
+use super::{Backend, Fhocp, FhocpSolver, Solution, SolveReport};
+use crate::config::SolverConfig;
+use crate::status::SolveStatus;
+
+/// Structure-exploiting interior-point solver of the FHOCP.
+pub struct RiccatiSolver {
+    config: SolverConfig,
+    /// The widest vectors this processor has.
+    arch: Arch,
+    work: Option<Work>,
+}
+
+impl RiccatiSolver {
+    /// A solver with the given tolerance and iteration limit; memory is laid out at the first
+    /// solve of each shape.
+    #[must_use]
+    pub fn new(config: SolverConfig) -> Self {
+        Self { config, arch: Arch::new(), work: None }
+    }
+
+    /// Writes the best iterate of the last solve again.
+    pub(super) fn write(&self, solution: &mut Solution) {
+        if let Some(work) = &self.work {
+            work.write(solution);
+        }
+    }
+}
+
+impl FhocpSolver for RiccatiSolver {
+    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
+        let failed = report(SolveStatus::Numerical, 0);
+        if !problem.is_finite() || problem.horizon() == 0 || problem.hull.is_empty() {
+            return failed;
+        }
+        let shape = Shape::of(problem);
+        let work = match &mut self.work {
+            Some(work) if work.rows.shape == shape => work,
+            work => work.insert(Work::new(shape)),
+        };
+        let report = self.arch.dispatch(Task { work, problem, config: &self.config });
+        if report.status != SolveStatus::Numerical
+            && let Some(work) = &self.work
+        {
+            work.write(solution);
+        }
+        report
+    }
+}
+
+fn report(status: SolveStatus, iterations: u32) -> SolveReport {
+    SolveReport { status, iterations, backend: Backend::Structured }
+}
+
+/// One solve, compiled once for each instruction set.
+struct Task<'a> {
+    work: &'a mut Work,
+    problem: &'a Fhocp,
+    config: &'a SolverConfig,
+}
+
+impl WithSimd for Task<'_> {
+    type Output = SolveReport;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> SolveReport {
+        self.work.solve(self.problem, self.config)
+    }
+}

@@ -1,0 +1,246 @@
+//! The Riccati recursion with the previous input as state.
+//!
+//! The cost-to-go of a direction from stage t is the quadratic
+//!
+//! ```text
+//! V_t(x, v) = 1/2 x'P x + x'M v + 1/2 v'N v + p'x + n'v,       v = u_{t-1}
+//! ```
+//!
+//! Only the rates `u - v` hold v, with the diagonal curvature D, so no product is larger than
+//! 6 x 6. With P, M, N, p, n of stage t+1 (P and p hold the soft constraints on x_{t+1} already)
+//! and stage t's own curvature and gradient:
+//!
+//! ```text
+//! G   = R + B'P B + B'M + M'B + N,     H = G + D
+//! F   = A'(P B + M) + front slip                        6 x 2
+//! u   = -H^-1 (F'x + h) + H^-1 D v,    h = r + d + B'p + n
+//! P_t = A'P A - F H^-1 F' + front slip
+//! M_t = F H^-1 D
+//! N_t = D - D H^-1 D = G H^-1 D
+//! p_t = A'p - F H^-1 h + front slip,   n_t = D H^-1 h - d
+//! ```
+//!
+//! A defect c = A x + B u + C - x_{t+1} of the iterate moves p to p + P c and n to n + M'c. The
+//! costate of x_{t+1} after a full step is `P dx + M du + p`.
+//!
+//! N is formed as `G H^-1 D`: an active rate limit makes D large, and the difference would lose
+//! the digits of G.
+
+use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
+
+use super::super::Fhocp;
+use super::product::{product, transpose};
+use super::rows::{FRONT, LANE, REAR, SPEED};
+use super::stage::{Curvature, Gradient};
+use crate::affine::Affine;
+
+/// A, B and their transposes of one stage.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Model {
+    a: Matrix6<f64>,
+    b: Matrix6x2<f64>,
+    a_transposed: Matrix6<f64>,
+    b_transposed: Matrix2x6<f64>,
+}
+
+impl Model {
+    #[inline(always)]
+    pub(super) fn load(&mut self, model: &Affine) {
+        self.a = model.a;
+        self.b = model.b;
+        self.a_transposed = transpose(&model.a);
+        self.b_transposed = transpose(&model.b);
+    }
+
+    /// A x + B u.
+    #[inline(always)]
+    fn apply(&self, x: &Vector6<f64>, u: &Vector2<f64>) -> Vector6<f64> {
+        product(&self.a, x) + product(&self.b, u)
+    }
+
+    /// A'p and B'p.
+    #[inline(always)]
+    pub(super) fn adjoint(&self, p: &Vector6<f64>) -> (Vector6<f64>, Vector2<f64>) {
+        (product(&self.a_transposed, p), product(&self.b_transposed, p))
+    }
+}
+
+/// Feedback of one stage: u = offset - (F H^-1)' x + (H^-1 D) v.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Gain {
+    /// F H^-1.
+    state: Matrix6x2<f64>,
+    state_transposed: Matrix2x6<f64>,
+    /// H^-1 D.
+    previous: Matrix2<f64>,
+    /// H^-1.
+    inverse: Matrix2<f64>,
+    /// H^-1 h.
+    offset: Vector2<f64>,
+    /// P of x_{t+1}.
+    p: Matrix6<f64>,
+    /// M of x_{t+1} and u_t.
+    m: Matrix6x2<f64>,
+    /// p of x_{t+1}.
+    gradient: Vector6<f64>,
+}
+
+/// Factors the stages backward from the terminal curvature.
+#[inline(always)]
+pub(super) fn factor(
+    problem: &Fhocp,
+    models: &[Model],
+    curvature: &[Curvature],
+    terminal: &Matrix6<f64>,
+    gains: &mut [Gain],
+) {
+    let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
+    for t in (0..problem.horizon()).rev() {
+        let (model, own) = (&models[t], &curvature[t]);
+        let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
+        add_square(&mut p, rear, own.soft[REAR]);
+        p[(0, 0)] += own.soft[SPEED];
+        p[(5, 5)] += own.soft[LANE];
+
+        let pb_m = product(&p, &model.b) + m;
+        let mut f = product(&model.a_transposed, &pb_m);
+        let mut g = product(&model.b_transposed, &pb_m) + product(&transpose(&m), &model.b) + n;
+        for i in 0..3 {
+            f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
+        }
+        g[(1, 1)] += own.soft[FRONT] * front.steering * front.steering;
+        g[(0, 0)] += own.input[0];
+        g[(1, 1)] += own.input[1];
+        let rate = &own.rate;
+        let inverse =
+            inverse(&Matrix2::new(g[(0, 0)] + rate[0], g[(0, 1)], g[(1, 0)], g[(1, 1)] + rate[1]));
+        let state = product(&f, &inverse);
+        let previous = scale_columns(&inverse, rate);
+        let gain = &mut gains[t];
+        gain.p = p;
+        gain.m = m;
+        gain.inverse = inverse;
+        gain.state = state;
+        gain.state_transposed = transpose(&state);
+        gain.previous = previous;
+        if t == 0 {
+            break;
+        }
+        let pa = product(&p, &model.a);
+        p = product(&model.a_transposed, &pa) - product(&state, &transpose(&f));
+        add_square(&mut p, &front.velocity, own.soft[FRONT]);
+        symmetrise(&mut p);
+        m = scale_columns(&state, rate);
+        n = product(&g, &previous);
+        symmetrise(&mut n);
+    }
+}
+
+/// Offsets of the feedback, backward from the terminal gradient.
+#[inline(always)]
+pub(super) fn backward(
+    problem: &Fhocp,
+    models: &[Model],
+    curvature: &[Curvature],
+    gradient: &[Gradient],
+    defect: Option<&[Vector6<f64>]>,
+    terminal: &Vector6<f64>,
+    gains: &mut [Gain],
+) {
+    let (mut p, mut n) = (*terminal, Vector2::zeros());
+    for t in (0..problem.horizon()).rev() {
+        let (own, gain) = (&gradient[t], &mut gains[t]);
+        p += own.next_state(problem, t);
+        if let Some(defect) = defect {
+            p += gain.p * defect[t];
+            n += gain.m.tr_mul(&defect[t]);
+        }
+        gain.gradient = p;
+        let (a_p, b_p) = models[t].adjoint(&p);
+        let h = own.input(problem, t) + own.rate + b_p + n;
+        gain.offset = product(&gain.inverse, &h);
+        p = a_p - product(&gain.state, &h) + own.state(problem, t);
+        n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
+    }
+}
+
+/// The direction, forward from x_0 and u_{-1}, which do not move.
+#[inline(always)]
+pub(super) fn forward(
+    models: &[Model],
+    gains: &[Gain],
+    defect: Option<&[Vector6<f64>]>,
+    dx: &mut [Vector6<f64>],
+    du: &mut [Vector2<f64>],
+) {
+    let mut v = Vector2::zeros();
+    dx[0] = Vector6::zeros();
+    for (t, (model, gain)) in models.iter().zip(gains).enumerate() {
+        let u = product(&gain.previous, &v) - product(&gain.state_transposed, &dx[t]) - gain.offset;
+        dx[t + 1] = model.apply(&dx[t], &u);
+        if let Some(defect) = defect {
+            dx[t + 1] += defect[t];
+        }
+        du[t] = u;
+        v = u;
+    }
+}
+
+/// Costates of x_1..x_N after a full step along a direction without defects.
+#[inline(always)]
+pub(super) fn costates(
+    gains: &[Gain],
+    dx: &[Vector6<f64>],
+    du: &[Vector2<f64>],
+    costates: &mut [Vector6<f64>],
+) {
+    for (t, gain) in gains.iter().enumerate() {
+        costates[t] = product(&gain.p, &dx[t + 1]) + product(&gain.m, &du[t]) + gain.gradient;
+    }
+}
+
+/// Inverse of a symmetric positive definite 2 x 2 matrix, through its factor L D L'.
+#[inline(always)]
+fn inverse(h: &Matrix2<f64>) -> Matrix2<f64> {
+    let l = h[(1, 0)] / h[(0, 0)];
+    let second = 1.0 / (h[(1, 1)] - l * h[(1, 0)]);
+    let first = 1.0 / h[(0, 0)] + l * l * second;
+    Matrix2::new(first, -l * second, -l * second, second)
+}
+
+/// Adds curvature g g' on the velocities.
+#[inline(always)]
+fn add_square(p: &mut Matrix6<f64>, g: &[f64; 3], curvature: f64) {
+    for j in 0..3 {
+        for i in 0..3 {
+            p[(i, j)] += curvature * g[i] * g[j];
+        }
+    }
+}
+
+/// Takes the mean of both halves.
+#[inline(always)]
+fn symmetrise<const R: usize>(p: &mut SMatrix<f64, R, R>) {
+    for j in 0..R {
+        for i in 0..j {
+            let mean = 0.5 * (p[(i, j)] + p[(j, i)]);
+            p[(i, j)] = mean;
+            p[(j, i)] = mean;
+        }
+    }
+}
+
+/// A times a diagonal.
+#[inline(always)]
+fn scale_columns<const R: usize>(
+    a: &SMatrix<f64, R, 2>,
+    diagonal: &Vector2<f64>,
+) -> SMatrix<f64, R, 2> {
+    let mut out = *a;
+    for (column, factor) in out.data.0.iter_mut().zip(&diagonal.data.0[0]) {
+        for entry in column {
+            *entry *= factor;
+        }
+    }
+    out
+}

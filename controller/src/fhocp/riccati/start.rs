@@ -1,0 +1,104 @@
+//! The starting point.
+//!
+//! Each row is first replaced by a penalty on its distance from the bound, in units of the row's
+//! width: one linear quadratic problem, solved by one pass of the machinery at hand. As its point
+//! to start from may hold any states, the defects of the dynamics are part of that pass; an
+//! unstable prediction is thereby rolled out under feedback. The slacks are then set close to
+//! their central path, gaps and hull weights moved inside their bounds.
+
+use nalgebra::Vector6;
+
+use super::super::Fhocp;
+use super::mehrotra::Work;
+use super::rows::{SOFT, SPEED, quantities};
+use super::stage::penalty;
+
+/// Complementarity w z of every row at the start, in units of the cost: steps.
+const MU: f64 = 10.0;
+/// Weight of the penalty that replaces the rows, in units of the cost.
+const PENALTY: f64 = 10.0;
+/// Least gap in units of the row's width.
+const LEAST_GAP: f64 = 0.05;
+/// Regularisation of the stages' rows, see [`super::barrier`].
+const REGULARISATION: f64 = 1e-8;
+
+impl Work {
+    /// Sets the first iterate; false if its system cannot be factored.
+    #[inline(always)]
+    pub(super) fn start(&mut self, problem: &Fhocp) -> bool {
+        let shape = self.rows.shape;
+        let hull = self.rows.hull();
+        let mean = 1.0 / shape.hull as f64;
+        self.barrier.delta[..hull].fill(REGULARISATION);
+        self.barrier.delta[hull..].fill(0.0);
+        self.rows.bounds(problem, &mut self.barrier.b);
+        self.rows.widths(problem, &mut self.barrier.width);
+        self.hull.load(problem);
+        for (ours, model) in self.models.iter_mut().zip(&problem.model) {
+            ours.load(model);
+        }
+        self.guess(problem);
+
+        self.hull.costate(&self.point.x[shape.horizon], &self.point.lambda);
+        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        self.barrier.penalise(PENALTY);
+        if !self.condense(problem) {
+            return false;
+        }
+        self.direction(problem, true);
+        self.point.advance(1.0, &self.direction);
+
+        self.slacks(problem);
+        for lambda in &mut self.point.lambda {
+            *lambda = lambda.max(0.1 * mean);
+        }
+        self.renormalise();
+        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        self.barrier.enter(LEAST_GAP, MU);
+        self.renormalise();
+        true
+    }
+
+    /// Inputs held, states on the line from x_0 to the middle of the hull, equal weights; the
+    /// defects of that in `costate_next`.
+    #[inline(always)]
+    fn guess(&mut self, problem: &Fhocp) {
+        let shape = self.rows.shape;
+        let u = problem.u_prev.sup(&problem.u_min).inf(&problem.u_max);
+        self.point.u.fill(u);
+        self.point.s.fill([0.0; SOFT]);
+        self.point.lambda.fill(1.0 / shape.hull as f64);
+        self.point.x[0] = problem.x_0;
+        let way = self.hull.centre() - problem.x_0;
+        for t in 0..shape.horizon {
+            let share = (t + 1) as f64 / shape.horizon as f64;
+            self.point.x[t + 1] = problem.x_0 + way * share;
+            self.costate_next[t] =
+                problem.model[t].apply(&self.point.x[t], &u) - self.point.x[t + 1];
+        }
+        self.costate.fill(Vector6::zeros());
+    }
+
+    /// Slacks near the central path. With the violation v of the worse side and the penalty's
+    /// slope l, `l = mu / s + mu / (s - v)` has the root
+    /// `s = (2 mu + l v + sqrt(l^2 v^2 + 4 mu^2)) / (2 l)`.
+    #[inline(always)]
+    fn slacks(&mut self, problem: &Fhocp) {
+        let penalty = penalty(problem);
+        for t in 0..self.rows.shape.horizon {
+            let (x, u) = (&self.point.x, &self.point.u);
+            let y = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
+            let b = self.rows.stage(t, &self.barrier.b);
+            for k in 0..SOFT {
+                let Some([high, low, _]) = self.rows.soft(b, k) else { continue };
+                let low = if k == SPEED { f64::INFINITY } else { low };
+                let (linear, quadratic) = penalty[k];
+                let v = (y[k] - high).max(-y[k] - low);
+                let slope = (linear + 2.0 * quadratic * v.max(0.0)).max(1e-3);
+                let lv = slope * v;
+                let root = (lv * lv + 4.0 * MU * MU).sqrt();
+                self.point.s[t][k] = (2.0 * MU + lv + root) / (2.0 * slope);
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Problems at the edge: what solvers answer where there is little or nothing to solve.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use controller::SolveStatus;
+use controller::config::{SolverConfig, SolverMethod};
+use controller::fhocp::{
+    Backend, ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, SolveReport, Solver,
+};
+use nalgebra::{Matrix6, Vector2, Vector6};
+use support::random::random;
+
+fn config(method: SolverMethod) -> SolverConfig {
+    SolverConfig { method, tolerance: 1e-8, max_iterations: 100 }
+}
+
+fn structured(problem: &Fhocp) -> (SolveReport, Solution) {
+    let mut solution = Solution::new(problem.horizon(), problem.hull.len());
+    let report = RiccatiSolver::new(config(SolverMethod::Structured)).solve(problem, &mut solution);
+    (report, solution)
+}
+
+/// Solved by both, to the same cost.
+fn agrees(name: &str, problem: &Fhocp) -> Solution {
+    let (report, solution) = structured(problem);
+    assert!(report.status.usable(), "{name}: {report:?}");
+    let mut optimum = Solution::new(problem.horizon(), problem.hull.len());
+    let mut clarabel = ClarabelSolver::reference(config(SolverMethod::Clarabel));
+    let reference = clarabel.solve(problem, &mut optimum);
+    assert!(reference.status.usable(), "{name}: reference {reference:?}");
+    let (cost, least) = (problem.cost(&solution), problem.cost(&optimum));
+    let error = (cost - least).abs() / least.abs().max(1.0);
+    assert!(error < 1e-5, "{name}: cost {cost}, not {least}");
+    solution
+}
+
+#[test]
+fn degenerate_hulls() {
+    let base = random(1, 10, 20, 0b11111);
+    let mut repeated = base.clone();
+    for j in 1..20 {
+        repeated.hull[j] = base.hull[j / 5];
+        repeated.hull_cost[j] = base.hull_cost[j / 5];
+    }
+    agrees("each point five times", &repeated);
+    let mut identical = base.clone();
+    identical.hull.fill(base.hull[0]);
+    identical.hull_cost.fill(base.hull_cost[0]);
+    agrees("one point twenty times", &identical);
+    let mut tiny = base.clone();
+    for point in &mut tiny.hull {
+        *point = base.hull[0] + (*point - base.hull[0]) * 1e-7;
+    }
+    agrees("a hull of 1e-7", &tiny);
+    let mut line = base.clone();
+    for (j, point) in line.hull.iter_mut().enumerate() {
+        *point = base.hull[0] + (base.hull[1] - base.hull[0]) * (j as f64 / 19.0);
+    }
+    agrees("points on a line", &line);
+    agrees("one point", &random(2, 10, 1, 0b11111));
+}
+
+#[test]
+fn far_from_everything() {
+    let mut problem = random(3, 12, 20, 0b11100);
+    problem.x_0[5] = 50.0;
+    agrees("50 m off the track", &problem);
+    let mut problem = random(4, 12, 20, 0b11111);
+    problem.x_0[4] += 5000.0;
+    for point in &mut problem.hull {
+        point[4] += 5000.0;
+    }
+    agrees("5 km down the track", &problem);
+    let mut problem = random(5, 12, 20, 0b11111);
+    problem.e_y_min.fill(0.3);
+    problem.e_y_max.fill(-0.3);
+    agrees("a lane turned inside out", &problem);
+}
+
+#[test]
+fn previous_input_outside_the_box() {
+    let mut problem = random(6, 10, 20, 0b11100);
+    problem.u_prev = Vector2::new(9.0, -3.0);
+    let solution = agrees("no rate limit", &problem);
+    assert!(solution.u[0][0] <= problem.u_max[0] + 1e-6);
+    problem.du_max = Vector2::new(0.5, 0.1);
+    for method in [SolverMethod::Structured, SolverMethod::Clarabel] {
+        let mut solution = Solution::new(10, 20);
+        let report = Solver::new(config(method)).solve(&problem, &mut solution);
+        assert!(!report.status.usable(), "box and rate limit exclude each other: {report:?}");
+        assert!(solution.is_finite());
+    }
+}
+
+#[test]
+fn exploding_predictions_never_give_nan() {
+    for seed in 0..20 {
+        for rate in [2.0, 10.0, 1e3, 1e12, 1e60] {
+            let mut problem = random(seed, 20, 24, seed as u32);
+            for model in &mut problem.model {
+                model.a += Matrix6::from_fn(|i, j| if i < 3 && j < 3 { rate } else { 0.0 });
+            }
+            let mut solution = Solution::new(20, 24);
+            let report =
+                Solver::new(config(SolverMethod::Structured)).solve(&problem, &mut solution);
+            assert!(solution.is_finite(), "seed {seed}, rate {rate}: {report:?}");
+        }
+    }
+}
+
+#[test]
+fn growth_of_the_prediction() {
+    let mut problem = Fhocp::new(4, 1);
+    for model in &mut problem.model {
+        model.a = Matrix6::from_diagonal(&Vector6::new(10.0, 1.0, 1.0, 1.0, 1.0, 0.1));
+    }
+    assert_eq!(problem.growth(), 1e4);
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused() {
+    type Break = fn(&mut Fhocp, f64);
+    let places: [Break; 8] = [
+        |p, v| p.x_0[3] = v,
+        |p, v| p.u_prev[0] = v,
+        |p, v| p.model[2].a[(1, 1)] = v,
+        |p, v| p.model[2].b[(1, 1)] = v,
+        |p, v| p.model[2].c[4] = v,
+        |p, v| p.hull[3][2] = v,
+        |p, v| p.hull_cost[3] = v,
+        |p, v| p.e_y_max[1] = v,
+    ];
+    for method in [SolverMethod::Structured, SolverMethod::Clarabel] {
+        for (k, place) in places.iter().enumerate() {
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut problem = random(7, 5, 6, 0b11111);
+                place(&mut problem, value);
+                let mut solution = Solution::new(5, 6);
+                let report = Solver::new(config(method)).solve(&problem, &mut solution);
+                assert_eq!(report.status, SolveStatus::Numerical, "place {k}, {value}");
+                assert!(solution.is_finite());
+            }
+        }
+    }
+}
+
+#[test]
+fn result_does_not_depend_on_what_was_solved_before() {
+    let problems: Vec<Fhocp> = (0..6).map(|seed| random(seed, 10, 20, 0b11111)).collect();
+    let mut solver = RiccatiSolver::new(config(SolverMethod::Structured));
+    for round in 0..3 {
+        for problem in problems.iter().cycle().skip(round).take(6) {
+            let mut solution = Solution::new(10, 20);
+            let report = solver.solve(problem, &mut solution);
+            assert_eq!((report, solution), structured(problem));
+        }
+    }
+}
+
+#[test]
+fn too_few_iterations_give_the_best_iterate() {
+    let problem = random(8, 10, 20, 0b11111);
+    let mut solution = Solution::new(10, 20);
+    let short = SolverConfig { max_iterations: 5, ..config(SolverMethod::Structured) };
+    let report = Solver::new(short).solve(&problem, &mut solution);
+    assert_eq!(report.status, SolveStatus::MaxIterations, "neither can do it in five");
+    assert_eq!(report.backend, Backend::Structured);
+    assert!(solution.is_finite());
+}
