@@ -5,7 +5,7 @@ use vehicle_model::{CarParams, Input, SlipAngles, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
-use crate::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, Slacks, SlipRow, Solution, SolveReport};
+use crate::fhocp::{Fhocp, FhocpSolver, Slacks, SlipRow, Solution, SolveReport, Solver};
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
 use crate::learning::safe_set::{Query, SafeSet};
@@ -16,7 +16,7 @@ use crate::status::{Phase, Probe};
 pub(crate) struct Workspace {
     problem: Fhocp,
     solution: Solution,
-    pub(crate) solver: ClarabelSolver,
+    pub(crate) solver: Solver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,
@@ -43,7 +43,7 @@ impl Workspace {
         Self {
             problem,
             solution: Solution::new(n, hull),
-            solver: ClarabelSolver::new(config.solver.clone()),
+            solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
