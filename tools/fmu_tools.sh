@@ -7,7 +7,7 @@ tools=${CARGO_TARGET_DIR:-target}/tools
 
 for name in ${*:-fmpy ecos cosim pathsim}; do
     case $name in
-        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0" ;;
+        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;
         pathsim) packages="pathsim-fmi==0.1.1" ;;

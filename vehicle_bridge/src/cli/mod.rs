@@ -1,5 +1,6 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
+mod fmu;
 mod race;
 mod study;
 
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
@@ -43,6 +45,8 @@ pub enum Command {
     Study(Box<StudyArgs>),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
+    /// Pack FMUs, or look into one
+    Fmu(FmuArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
 }

@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod check;
+mod fmu;
 mod race;
 mod race_table;
 mod seeds;
@@ -46,6 +47,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
         Command::Check(args) => check::run(&args),
+        Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.
             let mut script = Vec::new();
