@@ -26,7 +26,7 @@ for target in $targets; do
     [ "$target" = aarch64-unknown-linux-gnu ] &&
         flags="$flags -C linker=${CROSS_CC:-aarch64-linux-gnu-gcc}"
     # Without sections of their own, dead functions leave a DLL only at link-time optimisation.
-    lto=off
+    lto=false
     case $target in *windows*) lto=thin ;; esac
     CARGO_PROFILE_FMU_LTO=$lto RUSTFLAGS="$flags" cargo build --quiet --profile fmu --target "$target" \
         --target-dir "$out/build" -p lmpc_vehicle -p lmpc_controller

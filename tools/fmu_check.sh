@@ -60,6 +60,7 @@ for c in 2 3; do
 done
 race "$all" "libcosim, FMI 2" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus"
 race "$all" "libcosim, FMI 2, SSP" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus" --ssp
+"$python" examples/fmu/notebook.py > "$work/notebook.log" 2>&1 || { cat "$work/notebook.log"; exit 1; }
 mkdir -p "$work/foreign"
 "$tools/fmpy/bin/pythonfmu" build -d "$work/foreign" -f examples/fmu/foreign_vehicle.py > /dev/null
 race "$one" "foreign vehicle (PythonFMU, FMI 2), FMPy" \

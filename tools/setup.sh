@@ -36,7 +36,7 @@ for job in "$@"; do
     fmu-test)
         need python3-venv "the co-simulation tools go in a venv each" "python3 -c 'import ensurepip'"
         need libxml2-utils "xmllint holds descriptions to the schemas" "command -v xmllint"
-        need libtbb12 "Ecos needs it" "ldconfig -p | grep -q libtbb.so.12"
+        need libtbb12 "Ecos needs it" "ls /usr/lib/*/libtbb.so.12"
         need binutils "lists what a library needs" "command -v objdump && command -v strings"
         need unzip "looks into FMUs" "command -v unzip"
         need valgrind "leaks and invalid accesses of the libraries" "command -v valgrind"
