@@ -14,7 +14,7 @@ test:
 lint:
 	cargo fmt --check
 	cargo clippy --workspace --all-targets -- -D warnings
-	cargo deny check
+	cargo deny check licenses bans sources
 
 bench:
 	cargo bench -p controller
