@@ -1,5 +1,7 @@
 //! The car learns to race: whole laps, from the first metre on.
 
+#![allow(clippy::unwrap_used)]
+
 use controller::{Action, Command, Config, LapKind, Preset, Reason};
 use lmpc_tests::Drive;
 use vehicle_model::{PlantParams, SensorNoise, State};
