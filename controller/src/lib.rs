@@ -25,6 +25,7 @@ mod observe;
 mod optimize;
 mod plan;
 mod presets;
+mod snapshot;
 mod status;
 mod store;
 mod tracking;
@@ -36,6 +37,7 @@ pub use error::{ConfigError, DataError};
 pub use learned_model::LearnedModel;
 pub use plan::Plan;
 pub use presets::Preset;
+pub use snapshot::ControllerState;
 pub use status::{
     Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, SolveStatus,
     Status,

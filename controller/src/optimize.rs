@@ -16,7 +16,7 @@ use crate::status::{Phase, Probe};
 pub(crate) struct Workspace {
     problem: Fhocp,
     solution: Solution,
-    solver: Solver,
+    pub(crate) solver: Solver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,

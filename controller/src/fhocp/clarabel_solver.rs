@@ -1,11 +1,14 @@
 //! The FHOCP solved by Clarabel: one solver object per shape, values written in place.
 
+use std::sync::Arc;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT,
     SolverStatus, ZeroConeT,
 };
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::layout::{Entries, Shape, state, walk};
 use super::{Backend, Fhocp, FhocpSolver, Solution, SolveReport};
@@ -20,9 +23,18 @@ pub struct ClarabelSolver {
     built: Option<Built>,
 }
 
+/// The problem a solver was first laid out for. Clarabel keeps the equilibration of that problem,
+/// so a solver that is to go on bit for bit must be laid out for the same one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SolverSeed {
+    shape: Shape,
+    pattern: Arc<Pattern>,
+}
+
 /// Solver and value arrays of one shape.
 struct Built {
     shape: Shape,
+    pattern: Arc<Pattern>,
     solver: DefaultSolver<f64>,
     values: Values,
     /// Whether each linear solve is refined.
@@ -51,6 +63,22 @@ impl ClarabelSolver {
         let shape = Shape::of(problem);
         if self.built.as_ref().is_none_or(|built| built.shape != shape) {
             self.built = Built::new(problem, shape, &self.config);
+        }
+    }
+
+    /// What the solver was laid out for, if it was.
+    pub(crate) fn seed(&self) -> Option<SolverSeed> {
+        let built = self.built.as_ref()?;
+        Some(SolverSeed { shape: built.shape, pattern: Arc::clone(&built.pattern) })
+    }
+
+    /// Lays the solver out as another one was.
+    pub(crate) fn restore(&mut self, seed: Option<&SolverSeed>) {
+        let same = |b: &Built, s: &SolverSeed| b.shape == s.shape && b.pattern == s.pattern;
+        let kept = matches!((&self.built, seed), (Some(b), Some(s)) if same(b, s));
+        if !kept {
+            self.built = seed
+                .and_then(|s| Built::from_pattern(Arc::clone(&s.pattern), s.shape, &self.config));
         }
     }
 }
@@ -89,6 +117,10 @@ impl Built {
     fn new(problem: &Fhocp, shape: Shape, config: &SolverConfig) -> Option<Self> {
         let mut pattern = Pattern::default();
         walk(problem, &shape, &mut pattern);
+        Self::from_pattern(Arc::new(pattern), shape, config)
+    }
+
+    fn from_pattern(pattern: Arc<Pattern>, shape: Shape, config: &SolverConfig) -> Option<Self> {
         let (n, m) = (shape.variables(), pattern.b.len());
         let mut q = vec![0.0; n];
         for &(variable, value) in &pattern.q {
@@ -99,9 +131,16 @@ impl Built {
         let cones = [ZeroConeT(shape.equalities()), NonnegativeConeT(m - shape.equalities())];
         let solver =
             DefaultSolver::new(&p, &q, &a, &pattern.b, &cones, settings(config, false)?).ok()?;
-        let values =
-            Values { p: p.nzval, q, a: a.nzval, b: pattern.b, p_slots, a_slots, at: [0; 3] };
-        Some(Self { shape, solver, values, refined: false })
+        let values = Values {
+            p: p.nzval,
+            q,
+            a: a.nzval,
+            b: pattern.b.clone(),
+            p_slots,
+            a_slots,
+            at: [0; 3],
+        };
+        Some(Self { shape, pattern, solver, values, refined: false })
     }
 
     fn solve(&mut self, refined: bool, config: &SolverConfig) -> (SolveStatus, u32) {
@@ -171,7 +210,7 @@ fn read(problem: &Fhocp, shape: &Shape, z: &[f64], solution: &mut Solution) {
 }
 
 /// Entries as triplets, for the first solve of a shape.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Pattern {
     p: Vec<(usize, usize, f64)>,
     q: Vec<(usize, f64)>,

@@ -7,10 +7,12 @@
 use nalgebra::Vector6;
 use vehicle_model::{NU, NX};
 
+use serde::{Deserialize, Serialize};
+
 use super::{Fhocp, SlipRow};
 
 /// Which parts a problem has; a solver's memory is laid out once per shape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Shape {
     pub(super) horizon: usize,
     pub(super) hull: usize,

@@ -24,6 +24,7 @@ mod solver;
 use nalgebra::{Matrix6, Vector2, Vector6};
 
 pub use clarabel_solver::ClarabelSolver;
+pub(crate) use clarabel_solver::SolverSeed;
 pub use riccati::RiccatiSolver;
 pub use slacks::Slacks;
 pub(crate) use slacks::greatest;

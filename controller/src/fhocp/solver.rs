@@ -1,6 +1,8 @@
 //! The solver the configuration asks for, with Clarabel behind the structured one.
 
-use super::{Backend, ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, SolveReport};
+use super::{
+    Backend, ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, SolveReport, SolverSeed,
+};
 use crate::config::{SolverConfig, SolverMethod};
 use crate::status::SolveStatus;
 
@@ -24,6 +26,18 @@ impl Solver {
             SolverMethod::Clarabel => None,
         };
         Self { structured, clarabel: ClarabelSolver::new(config) }
+    }
+}
+
+impl Solver {
+    /// What Clarabel was laid out for, if it was; the structured solver remembers nothing.
+    pub(crate) fn seed(&self) -> Option<SolverSeed> {
+        self.clarabel.seed()
+    }
+
+    /// Lays Clarabel out as another one was.
+    pub(crate) fn restore(&mut self, seed: Option<&SolverSeed>) {
+        self.clarabel.restore(seed);
     }
 }
 

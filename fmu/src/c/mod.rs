@@ -1,0 +1,100 @@
+//! Where C begins: the guard around every exported function and the checks on raw pointers.
+//!
+//! The only `unsafe` of the FMUs is in this module and in what `export_fmu!` writes. What cannot
+//! be checked from here is the caller's promise of every C interface: a pointer that is not null
+//! points to as many elements as the caller says, and a string ends with a zero byte.
+#![allow(unsafe_code)]
+
+pub mod fmi2;
+pub mod fmi3;
+mod instantiate;
+pub(crate) mod logger;
+pub(crate) mod pointer;
+pub mod state;
+
+pub use logger::{Logger2, Logger3};
+
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::description::Version;
+use crate::instance::{Instance, Phase, panic_text};
+use crate::log::Message;
+use crate::model::Model;
+use crate::registry;
+use crate::status::{Fault, Status};
+
+/// The guard: finds the instance, runs the call, catches panics, turns the result into a status
+/// and hands the messages to the host after the instance is free again.
+pub(crate) fn call<M: Model>(
+    handle: *mut c_void,
+    version: Version,
+    function: &str,
+    body: impl FnOnce(&mut Instance<M>) -> Result<(), Fault>,
+) -> i32 {
+    let guarded = || {
+        let Some(entry) = registry::find::<M>(handle.addr()) else {
+            return Status::Error;
+        };
+        let Ok(mut instance) = entry.instance.try_lock() else {
+            // Locked by another thread's call, or poisoned by nothing: panics are caught below.
+            let text = format!("{function}: the instance is busy with another call");
+            entry.logger.send(&Message { status: Status::Error, text });
+            return Status::Error;
+        };
+        let status = run(&mut instance, version, function, body);
+        let messages = std::mem::take(&mut instance.log.messages);
+        if messages.is_empty() {
+            return status;
+        }
+        let filter = instance.filter.clone();
+        drop(instance);
+        for message in messages.iter().filter(|m| filter.passes(m.status)) {
+            entry.logger.send(message);
+        }
+        status
+    };
+    catch_unwind(AssertUnwindSafe(guarded)).unwrap_or(Status::Fatal) as i32
+}
+
+fn run<M: Model>(
+    instance: &mut Instance<M>,
+    version: Version,
+    function: &str,
+    body: impl FnOnce(&mut Instance<M>) -> Result<(), Fault>,
+) -> Status {
+    let result = if instance.version == version {
+        catch_unwind(AssertUnwindSafe(|| body(instance))).unwrap_or_else(|payload| {
+            let text = panic_text(&*payload);
+            Err(Fault::Fatal(format!("{function}: internal error: {text}")))
+        })
+    } else {
+        Err(Fault::Refused(format!("{function}: the instance is of another FMI version")))
+    };
+    match result {
+        Ok(()) => instance.log.worst(),
+        Err(fault) => {
+            match fault {
+                Fault::Failed(_) => instance.core.phase = Phase::Failed,
+                Fault::Fatal(_) => instance.core.phase = Phase::Dead,
+                Fault::Discard(_) | Fault::Refused(_) => {}
+            }
+            let status = fault.status();
+            instance.log.messages.push(Message { status, text: fault.to_string() });
+            status
+        }
+    }
+}
+
+/// Frees an instance; unknown handles are ignored, as the standards ask for null.
+pub(crate) fn free(handle: *mut c_void) {
+    // A panic while dropping a model must not cross into C either.
+    let _ = catch_unwind(AssertUnwindSafe(|| drop(registry::remove(handle.addr()))));
+}
+
+/// A call that this FMU does not offer, whatever its arguments.
+pub fn unsupported<M: Model>(handle: *mut c_void, version: Version, function: &str) -> i32 {
+    call::<M>(handle, version, function, |_| {
+        Err(Fault::Refused(format!("{function}: not offered by this FMU")))
+    })
+}

@@ -1,0 +1,242 @@
+//! The controller FMU: the same `Controller` as every other host runs.
+
+mod outputs;
+mod settings;
+mod slots;
+mod start;
+
+use std::sync::OnceLock;
+use std::time::Instant;
+
+use controller::{Action, Command, Config, Controller, ControllerState, Measurement, Pose, Reason};
+use serde::{Deserialize, Serialize};
+use vehicle_model::{GlobalState, Input, State};
+
+use crate::description::{Description, Terminal};
+use crate::model::{Io, Model, Step};
+use crate::schedule::Schedule;
+use crate::status::Fault;
+use crate::table::Table;
+use crate::values::Values;
+use settings::Tuned;
+use slots::Slots;
+
+/// The controller behind FMI: solves at every tick of its period, holds its command between.
+pub struct ControllerFmu {
+    controller: Controller,
+    /// Configuration without the tunable numbers, and those as they act.
+    base: Config,
+    tuned: Tuned,
+    /// Period as configured; ticks times this is the time of a measurement [s].
+    period: f64,
+    schedule: Schedule,
+    /// Hash of fixed configuration, car and track.
+    identity: u64,
+    laps: Laps,
+}
+
+/// Lap times for the outputs.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Laps {
+    finished: u32,
+    last_time: f64,
+    best_time: f64,
+    last_valid: bool,
+}
+
+/// What changes while a controller runs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ControllerFmuState {
+    identity: u64,
+    ticks: i64,
+    laps: Laps,
+    tuned: Tuned,
+    controller: ControllerState,
+}
+
+fn description() -> &'static (Description, Slots) {
+    static CELL: OnceLock<(Description, Slots)> = OnceLock::new();
+    CELL.get_or_init(|| {
+        let mut table = Table::new();
+        let slots = Slots::new(&mut table);
+        let member = |name: &'static str| (name, format!("vehicle.{name}"));
+        let state = ["v_x", "v_y", "omega_z", "e_psi", "s", "e_y", "x", "y", "psi"];
+        let description = Description {
+            model_name: "LMPC controller",
+            model_identifier: "lmpc_controller",
+            description: "Learning model predictive controller for racing, with error dynamics regression",
+            version: env!("CARGO_PKG_VERSION"),
+            stop_time: 60.0,
+            step_size: 0.1,
+            table,
+            terminals: vec![
+                Terminal {
+                    name: "command",
+                    description: "To the car's actuators",
+                    members: vec![
+                        ("a", "cmd.a".to_owned()),
+                        ("delta", "cmd.delta".to_owned()),
+                    ],
+                },
+                Terminal {
+                    name: "state",
+                    description: "From the car's sensors",
+                    members: state.into_iter().map(member).collect(),
+                },
+            ],
+            resources: crate::documents::RESOURCES.to_vec(),
+            documentation: include_str!("../../doc/controller.html"),
+            icon: include_bytes!("../../doc/controller.png"),
+            token: OnceLock::new(),
+        };
+        (description, slots)
+    })
+}
+
+pub(super) fn slots() -> &'static Slots {
+    &description().1
+}
+
+/// The measurement the inputs hold.
+fn measurement(values: &Values, time: f64) -> Measurement {
+    let slots = slots();
+    let [v_x, v_y, omega_z, e_psi, s, e_y, x, y, psi] = slots.vehicle.map(|r| values.real(r));
+    let pose = if values.boolean(slots.global_pose) {
+        Pose::Global(GlobalState { x, y, psi, v_x, v_y, omega_z })
+    } else {
+        Pose::Frenet(State { v_x, v_y, omega_z, e_psi, s, e_y })
+    };
+    let [a, delta] = slots.applied.map(|r| values.real(r));
+    let applied = values.boolean(slots.use_applied).then_some(Input { a, delta });
+    Measurement { time, pose, applied }
+}
+
+impl ControllerFmu {
+    /// Another controller with these tunable numbers takes over all that this one knows.
+    fn retune(&mut self, tuned: Tuned) -> Result<(), Fault> {
+        if tuned == self.tuned {
+            return Ok(());
+        }
+        let mut config = self.base.clone();
+        slots().settings.tune(&tuned, &mut config);
+        let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
+        let mut next = Controller::new(config, car, track).map_err(start::failed)?;
+        next.resume(&self.controller.state());
+        (self.controller, self.tuned) = (next, tuned);
+        Ok(())
+    }
+
+    /// Counts the lap a step finished and keeps what was learned, if asked to.
+    fn close_lap(&mut self, io: &mut Io<'_>, command: &Command) -> Result<(), Fault> {
+        let Some(result) = command.status.finished else { return Ok(()) };
+        let laps = &mut self.laps;
+        laps.finished += 1;
+        laps.last_time = result.lap_time;
+        laps.last_valid = result.valid;
+        if result.valid && (laps.best_time == 0.0 || result.lap_time < laps.best_time) {
+            laps.best_time = result.lap_time;
+        }
+        let valid = if result.valid { "" } else { ", not valid" };
+        io.log.event(format!("lap {}: {:.3} s{valid}", result.lap, result.lap_time));
+        let path = io.values.text(slots().save);
+        if path.is_empty() {
+            return Ok(());
+        }
+        match std::fs::write(path, self.controller.save()) {
+            Ok(()) => io.log.event(format!("learned data written to {path}")),
+            // Driving matters more than the file.
+            Err(e) => io.log.warn(format!("param.learned_save = '{path}': {e}")),
+        }
+        Ok(())
+    }
+}
+
+/// Why the host's user should know that a command is not the optimal one.
+fn trouble(action: Action, reason: Reason) -> Option<&'static str> {
+    let why = match reason {
+        Reason::None | Reason::NoSafeSet | Reason::Standstill => return None,
+        Reason::SolverFailed => "the optimal control problem was not solved",
+        Reason::NonFinite => "an input is not finite",
+        Reason::TimeNotAdvancing => "time did not advance",
+        Reason::TimeGap => "more than 1.5 periods passed since the last step",
+        Reason::Jump => "the state jumped farther than the car can drive",
+        Reason::OffTrack => "the car is beyond a track edge",
+        Reason::WrongWay => "the car points the wrong way",
+    };
+    // The initial laps need no optimum.
+    (action != Action::WarmUp || reason == Reason::Jump).then_some(why)
+}
+
+impl Model for ControllerFmu {
+    type State = ControllerFmuState;
+
+    fn description() -> &'static Description {
+        &description().0
+    }
+
+    fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
+        let model = start::build(io)?;
+        model.publish_start(io.values);
+        Ok(model)
+    }
+
+    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
+        if self.schedule.too_long(step.size) {
+            return Err(Fault::Discard(format!(
+                "communication step of {} s; the controller's period is {} s and a step must not \
+                 be longer (param.period changes it)",
+                step.size, self.period
+            )));
+        }
+        let tick = self.schedule.count();
+        if !self.schedule.due_before(step.end() - step.origin) {
+            return Ok(());
+        }
+        self.retune(slots().settings.tuned(io.values))?;
+        let begin = Instant::now();
+        // Counted, not summed: equal to every other host's time, bit for bit.
+        let command = self.controller.step(&measurement(io.values, tick as f64 * self.period));
+        let duration = begin.elapsed().as_secs_f64();
+        let status = &command.status;
+        if let Some(why) = trouble(status.action, status.reason) {
+            io.log.warn(format!("at {} s: {why}; action: {:?}", step.begin, status.action));
+        }
+        self.close_lap(io, &command)?;
+        self.publish(io.values, &command, duration);
+        Ok(())
+    }
+
+    fn state(&self) -> ControllerFmuState {
+        ControllerFmuState {
+            identity: self.identity,
+            ticks: self.schedule.count(),
+            laps: self.laps,
+            tuned: self.tuned,
+            controller: self.controller.state(),
+        }
+    }
+
+    fn resume(&mut self, state: &ControllerFmuState) -> Result<(), Fault> {
+        if state.identity != self.identity {
+            return Err(Fault::Refused(
+                "the state is of another configuration, car or track than this instance's"
+                    .to_owned(),
+            ));
+        }
+        self.schedule = Schedule::resumed(self.period, state.ticks)
+            .ok_or_else(|| Fault::Refused("the state counts too many periods".to_owned()))?;
+        self.retune(state.tuned)?;
+        self.laps = state.laps;
+        self.controller.resume(&state.controller);
+        Ok(())
+    }
+
+    fn save(state: &ControllerFmuState) -> Result<Vec<u8>, Fault> {
+        postcard::to_allocvec(state)
+            .map_err(|e| Fault::Refused(format!("saving the controller: {e}")))
+    }
+
+    fn load(bytes: &[u8]) -> Result<ControllerFmuState, Fault> {
+        postcard::from_bytes(bytes).map_err(|e| Fault::Refused(format!("saved controller: {e}")))
+    }
+}

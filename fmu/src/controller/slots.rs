@@ -1,0 +1,193 @@
+//! The controller's variables.
+
+use super::settings::Settings;
+use crate::files::{CAR, TRACK};
+use crate::table::{Boolean, Integer, Real, Table, Text};
+use crate::unit::{self, Unit};
+use crate::variable::{Role, Variable};
+
+/// Points of the plan that are outputs; a longer horizon is cut, a shorter one holds its end.
+pub(crate) const PLAN: usize = 20;
+
+/// Where everything is in the table.
+#[derive(Debug)]
+pub(crate) struct Slots {
+    /// Inputs v_x, v_y, omega_z, e_psi, s, e_y, x, y, psi.
+    pub(crate) vehicle: [Real; 9],
+    /// Inputs a, delta as they act on the car.
+    pub(crate) applied: [Real; 2],
+    pub(crate) global_pose: Boolean,
+    pub(crate) use_applied: Boolean,
+    pub(crate) track: Text,
+    pub(crate) car: Text,
+    pub(crate) preset: Text,
+    pub(crate) config: Text,
+    pub(crate) load: Text,
+    pub(crate) save: Text,
+    /// 0 as the preset, 1 error, 2 full, 3 nominal.
+    pub(crate) regression_mode: Integer,
+    pub(crate) settings: Settings,
+    /// Outputs a, delta.
+    pub(crate) command: [Real; 2],
+    /// Action, reason, solver status, iterations, solve time, clipped, step counter.
+    pub(crate) status: [Real; 7],
+    /// Lap in progress, laps finished, last lap time, best lap time, last lap valid.
+    pub(crate) laps: [Real; 5],
+    /// Frenet state used.
+    pub(crate) frenet: [Real; 6],
+    /// Cost, lane, front, rear, speed, terminal slack.
+    pub(crate) slack: [Real; 6],
+    /// Data support, least and mean; fitted grip front and rear.
+    pub(crate) learned: [Real; 4],
+    /// v_x, e_psi, s, e_y along the plan.
+    pub(crate) plan: [Vec<Real>; 4],
+}
+
+const VEHICLE: [(&str, Unit, &str); 9] = [
+    ("v_x", unit::M_PER_S, "Longitudinal velocity, body frame"),
+    ("v_y", unit::M_PER_S, "Lateral velocity, body frame, positive left"),
+    ("omega_z", unit::RAD_PER_S, "Yaw rate, positive left"),
+    ("e_psi", unit::RAD, "Heading relative to the centre line (unless param.global_pose)"),
+    ("s", unit::M, "Arc length along the centre line (unless param.global_pose)"),
+    ("e_y", unit::M, "Lateral deviation, positive left (unless param.global_pose)"),
+    ("x", unit::M, "Global position, x (with param.global_pose)"),
+    ("y", unit::M, "Global position, y (with param.global_pose)"),
+    ("psi", unit::RAD, "Global heading, positive left from x (with param.global_pose)"),
+];
+
+impl Slots {
+    pub(crate) fn new(t: &mut Table) -> Self {
+        let vehicle = VEHICLE
+            .map(|(name, unit, text)| t.real(&format!("vehicle.{name}"), Role::Input, unit, text));
+        let applied = [
+            t.real(
+                "applied.a",
+                Role::Input,
+                unit::M_PER_S2,
+                "Acceleration that acted (with param.use_applied)",
+            ),
+            t.real(
+                "applied.delta",
+                Role::Input,
+                unit::RAD,
+                "Steering that acted (with param.use_applied)",
+            ),
+        ];
+        let mut switch =
+            |name: &str, text: &str| t.add_boolean(Variable::boolean(name, Role::Fixed, text));
+        let global_pose = switch("param.global_pose", "Read x, y, psi instead of e_psi, s, e_y");
+        let use_applied =
+            switch("param.use_applied", "The car reports the input that acts, in applied.*");
+        let mut text = |name: &str, start: &str, text: &str| {
+            t.add_text(Variable::text(name, Role::Fixed, start, text))
+        };
+        let track =
+            text("param.track", TRACK, "Track: a name that ships (l, road_course) or a file");
+        let car = text("param.car", CAR, "Nominal car: a name that ships or a file");
+        let preset = text("param.preset", "race", "Preset of all settings: race or paper");
+        let config = text("param.config", "", "Configuration file (TOML); empty: the preset");
+        let load = text("param.learned_load", "", "File with learned data to start from");
+        let save = text("param.learned_save", "", "File for learned data, written after each lap");
+        let regression_mode = t.add_integer(
+            Variable::integer(
+                "param.regression.mode",
+                Role::Fixed,
+                "0 as the preset, 1 error regression, 2 full dynamics, 3 nominal model alone",
+            )
+            .range(0.0, 3.0),
+        );
+        let settings = Settings::new(t);
+        let mut held =
+            |name: &str, unit: Unit, text: &str| t.real(name, Role::Discrete, unit, text);
+        let one = unit::ONE;
+        let command = [
+            held("cmd.a", unit::M_PER_S2, "Commanded acceleration"),
+            held("cmd.delta", unit::RAD, "Commanded steering, positive left"),
+        ];
+        let status = [
+            held(
+                "status.action",
+                one,
+                "0 initial lap, 1 learned, 2 shifted plan, 3 tracking, 4 braking",
+            ),
+            held(
+                "status.reason",
+                one,
+                "0 none, 1 solver failed, 2 not finite, 3 time stands, 4 time gap, 5 jump, 6 off track, 7 wrong way, 8 standstill, 9 no safe set",
+            ),
+            held(
+                "status.solve",
+                one,
+                "0 not run, 1 solved, 2 almost, 3 iteration limit, 4 infeasible, 5 numerical",
+            ),
+            held("status.iterations", one, "Iterations of the solver"),
+            held(
+                "status.solve_ms",
+                unit::MS,
+                "Wall time of the step; the only output that differs between equal runs",
+            ),
+            held("status.clipped", one, "1 if the command was cut to the car's limits"),
+            held("status.steps", one, "Controller steps so far"),
+        ];
+        let laps = [
+            held("lap.number", one, "Lap in progress, from 1; 0 before the line is first crossed"),
+            held("lap.finished", one, "Laps finished"),
+            held("lap.last_time", unit::S, "Last lap time; 0 before the first"),
+            held("lap.best_time", unit::S, "Best valid lap time; 0 before the first"),
+            held(
+                "lap.last_valid",
+                one,
+                "1 if the last lap was inside the track with complete data",
+            ),
+        ];
+        let frenet = std::array::from_fn(|i| {
+            let (name, unit, _) = VEHICLE[i];
+            held(&format!("frenet.{name}"), unit, "State the step used, in the track's frame")
+        });
+        let slack = [
+            held("status.cost", one, "Optimal cost, in steps"),
+            held("slack.lane", unit::M, "Largest lane slack along the plan"),
+            held("slack.front_slip", unit::RAD, "Largest front slip slack along the plan"),
+            held("slack.rear_slip", unit::RAD, "Largest rear slip slack along the plan"),
+            held("slack.speed", unit::M_PER_S, "Largest speed-cap slack along the plan"),
+            held("slack.terminal", one, "Cost of the terminal slack, in steps"),
+        ];
+        let learned = [
+            held(
+                "support.min",
+                one,
+                "Kernel weights at the worst supported point; 0: nominal model alone",
+            ),
+            held("support.mean", one, "Mean kernel weights over the horizon"),
+            held("grip.front", one, "Fitted factor on the front friction"),
+            held("grip.rear", one, "Fitted factor on the rear friction"),
+        ];
+        let plan = [("v_x", unit::M_PER_S), ("e_psi", unit::RAD), ("s", unit::M), ("e_y", unit::M)]
+            .map(|(name, unit)| {
+                let point =
+                    |k| held(&format!("plan.{name}[{k}]"), unit, "Planned state, k periods ahead");
+                (1..=PLAN).map(point).collect()
+            });
+        Self {
+            vehicle,
+            applied,
+            global_pose,
+            use_applied,
+            track,
+            car,
+            preset,
+            config,
+            load,
+            save,
+            regression_mode,
+            settings,
+            command,
+            status,
+            laps,
+            frenet,
+            slack,
+            learned,
+            plan,
+        }
+    }
+}

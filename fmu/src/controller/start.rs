@@ -1,0 +1,62 @@
+//! From parameters to a controller.
+
+use controller::config::RegressionMode;
+use controller::{Config, Controller, Preset};
+
+use super::{ControllerFmu, Laps, slots};
+use crate::checksum::fnv1a;
+use crate::files;
+use crate::model::Io;
+use crate::schedule::Schedule;
+use crate::status::Fault;
+
+pub(super) fn failed(e: impl std::fmt::Display) -> Fault {
+    Fault::Failed(e.to_string())
+}
+
+/// The configuration: preset or file, then the numbers that were changed.
+fn config(io: &Io<'_>) -> Result<Config, Fault> {
+    let (slots, values) = (slots(), &*io.values);
+    let mut config = match (values.text(slots.config), values.text(slots.preset)) {
+        ("", "race") => Config::preset(Preset::Race),
+        ("", "paper") => Config::preset(Preset::Paper),
+        ("", other) => {
+            return Err(Fault::Failed(format!("param.preset = '{other}'; known: race, paper")));
+        }
+        (file, _) => Config::from_toml(&files::read(io, "configuration", file)?)
+            .map_err(|e| Fault::Failed(format!("configuration {file}: {e}")))?,
+    };
+    slots.settings.apply(values, &mut config);
+    match values.integer(slots.regression_mode) {
+        1 => config.regression.mode = RegressionMode::Error,
+        2 => config.regression.mode = RegressionMode::Full,
+        3 => config.regression.mode = RegressionMode::Nominal,
+        _ => {}
+    }
+    Ok(config)
+}
+
+pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
+    let slots = slots();
+    let mut config = config(io)?;
+    let car = files::car(io, io.values.text(slots.car))?;
+    let track = files::track(io, io.values.text(slots.track))?;
+    let mut identity = postcard::to_allocvec(&config).map_err(failed)?;
+    identity.extend(car.fingerprint().to_le_bytes());
+    identity.extend(track.fingerprint().to_le_bytes());
+    let period = config.horizon.period;
+    let schedule = Schedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
+    let (base, tuned) = (config.clone(), slots.settings.tuned(io.values));
+    slots.settings.tune(&tuned, &mut config);
+    let mut controller = Controller::new(config, car, track).map_err(failed)?;
+    let path = io.values.text(slots.load);
+    if !path.is_empty() {
+        let named =
+            |e: &dyn std::fmt::Display| failed(format!("param.learned_load = '{path}': {e}"));
+        let bytes = std::fs::read(path).map_err(|e| named(&e))?;
+        controller.load(&bytes).map_err(|e| named(&e))?;
+        io.log.event(format!("{} laps of learned data from {path}", controller.laps().len()));
+    }
+    let (identity, laps) = (fnv1a(&identity), Laps::default());
+    Ok(ControllerFmu { controller, base, tuned, period, schedule, identity, laps })
+}

@@ -1,0 +1,95 @@
+//! Everything a model description says beside the variables.
+
+use std::sync::OnceLock;
+
+use crate::checksum;
+use crate::table::Table;
+use crate::xml;
+
+/// A group of variables to be connected as one plug (FMI 3.0 terminal).
+#[derive(Clone, Debug)]
+pub struct Terminal {
+    /// Name of the terminal.
+    pub name: &'static str,
+    /// What it connects to.
+    pub description: &'static str,
+    /// Member name (equal on both sides of a connection) and variable name.
+    pub members: Vec<(&'static str, String)>,
+}
+
+/// Which version of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Fmi2,
+    /// FMI 3.0.
+    Fmi3,
+}
+
+/// A file packed into `resources/`.
+#[derive(Clone, Copy, Debug)]
+pub struct Resource {
+    /// File name below `resources/`.
+    pub name: &'static str,
+    /// Contents.
+    pub bytes: &'static [u8],
+}
+
+/// Identity, variables and documents of a model.
+#[derive(Debug)]
+pub struct Description {
+    /// Name shown to the user.
+    pub model_name: &'static str,
+    /// Name of the shared library; a C identifier.
+    pub model_identifier: &'static str,
+    /// What the model is, in one sentence.
+    pub description: &'static str,
+    /// Version of the model.
+    pub version: &'static str,
+    /// Proposed end of a simulation [s].
+    pub stop_time: f64,
+    /// Proposed communication step [s].
+    pub step_size: f64,
+    /// The variables.
+    pub table: Table,
+    /// Groups to be connected as one.
+    pub terminals: Vec<Terminal>,
+    /// Files for `resources/`.
+    pub resources: Vec<Resource>,
+    /// The documentation page (HTML).
+    pub documentation: &'static str,
+    /// The icon (PNG); left out if empty.
+    pub icon: &'static [u8],
+    /// Filled at first use.
+    pub token: OnceLock<String>,
+}
+
+impl Description {
+    /// GUID (FMI 2.0) and instantiation token (FMI 3.0): a hash of the model description, which
+    /// names every variable and the version, and of the sources. So description, library and
+    /// saved states of different builds cannot be mixed up.
+    #[must_use]
+    pub fn token(&self) -> &str {
+        self.token.get_or_init(|| {
+            let mut text = xml::fmi2::model_description(self, "");
+            text.push_str(&xml::fmi3::model_description(self, ""));
+            text.push_str(env!("LMPC_FMU_SOURCES"));
+            checksum::guid(text.as_bytes())
+        })
+    }
+
+    /// The file `modelDescription.xml` for a version of the standard.
+    #[must_use]
+    pub fn model_description(&self, version: Version) -> String {
+        match version {
+            Version::Fmi2 => xml::fmi2::model_description(self, self.token()),
+            Version::Fmi3 => xml::fmi3::model_description(self, self.token()),
+        }
+    }
+
+    /// The file `terminalsAndIcons.xml` of FMI 3.0, if the model has terminals.
+    #[must_use]
+    pub fn terminals_and_icons(&self) -> Option<String> {
+        (!self.terminals.is_empty()).then(|| xml::terminals::terminals_and_icons(self))
+    }
+}

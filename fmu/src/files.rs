@@ -1,0 +1,61 @@
+//! Tracks and cars by name or file.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use vehicle_model::{CarParams, Track};
+
+use crate::model::Io;
+use crate::status::Fault;
+
+/// The car the models start from where nothing else is said.
+pub(crate) const CAR: &str = "barc";
+/// The track the models start on where nothing else is said.
+pub(crate) const TRACK: &str = "l";
+
+/// Reads the text of a file: as named, or below the FMU's resources.
+pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, Fault> {
+    let mut tried = vec![PathBuf::from(name)];
+    tried.extend(io.resources.map(|folder| folder.join(name)));
+    let place = tried.iter().find(|path| path.is_file()).ok_or_else(|| {
+        let places: Vec<String> = tried.iter().map(|p| p.display().to_string()).collect();
+        Fault::Failed(format!("{what} '{name}': no such file; looked at {}", places.join(", ")))
+    })?;
+    std::fs::read_to_string(place)
+        .map_err(|e| Fault::Failed(format!("{what} {}: {e}", place.display())))
+}
+
+/// A track that ships, or one from a file.
+pub(crate) fn track(io: &Io<'_>, name: &str) -> Result<Arc<Track>, Fault> {
+    if let Some(track) = Track::builtin(name) {
+        return Ok(Arc::new(track));
+    }
+    if !looks_like_file(name) {
+        let known: Vec<&str> = Track::builtin_names().collect();
+        return Err(Fault::Failed(format!(
+            "param.track = '{name}' is neither a file nor one of {}",
+            known.join(", ")
+        )));
+    }
+    let text = read(io, "track", name)?;
+    let track = Track::parse(&file_name(name), &text);
+    track.map(Arc::new).map_err(|e| Fault::Failed(format!("track {name}: {e}")))
+}
+
+/// A car that ships, or one from a file.
+pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, Fault> {
+    let failed = |e: vehicle_model::ModelError| Fault::Failed(format!("car {name}: {e}"));
+    if looks_like_file(name) {
+        return CarParams::from_toml(&read(io, "car", name)?).map_err(failed);
+    }
+    CarParams::builtin(name).map_err(failed)
+}
+
+/// A name has neither ending nor folder.
+fn looks_like_file(name: &str) -> bool {
+    name.contains(['.', '/', '\\'])
+}
+
+fn file_name(path: &str) -> String {
+    Path::new(path).file_name().map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into())
+}

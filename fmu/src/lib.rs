@@ -1,0 +1,57 @@
+//! One model behind the FMI 2.0 and the FMI 3.0 co-simulation interfaces.
+//!
+//! A [`Model`] names its variables in a [`Table`] and knows how to start, step, save and load.
+//! Everything else is here: the state machine, all checks, FMU states, the log, the C functions
+//! of both versions ([`export_fmu!`]), the model descriptions and the packed file ([`pack`]).
+//!
+//! What every call promises: it returns a status, whatever the order of calls and whatever the
+//! arguments; *error* never changes an output; a panic in a model becomes *error* with its
+//! message. *Discard* is only for a step that a smaller one may replace. *Fatal* is only for an
+//! instance whose own bookkeeping failed.
+//!
+//! | Status | Means | What the host may do next |
+//! |---|---|---|
+//! | ok | done | anything the standard allows |
+//! | warning | done; read the message | the same |
+//! | discard | step not taken, nothing changed | a smaller step |
+//! | error, call refused | nothing changed | go on |
+//! | error, model failed | outputs unchanged | reset, restore a state, read, free |
+//! | fatal | instance lost | free |
+
+mod bytes;
+pub mod c;
+mod checksum;
+mod controller;
+mod description;
+mod documents;
+mod export;
+mod files;
+mod instance;
+mod log;
+mod model;
+mod pack;
+mod registry;
+mod schedule;
+mod ship;
+mod status;
+mod system;
+mod table;
+pub mod unit;
+mod values;
+mod variable;
+mod vehicle;
+mod xml;
+
+pub use crate::controller::{ControllerFmu, ControllerFmuState};
+pub use bytes::{Reader, Writer};
+pub use description::{Description, Resource, Terminal, Version};
+pub use log::{CATEGORIES, Log, Message};
+pub use model::{Io, Model, Step};
+pub use pack::{Binary, Inspection, PackError, Platform, inspect, pack, write_zip};
+pub use schedule::Schedule;
+pub use ship::{Libraries, models, ship};
+pub use status::{Fault, Status};
+pub use table::{Boolean, Integer, Real, Table, Text};
+pub use values::Values;
+pub use variable::{Kind, Role, Variable};
+pub use vehicle::{VehicleFmu, VehicleState};

@@ -1,0 +1,214 @@
+//! The `.fmu` file: model description, libraries, resources, documents in one zip.
+
+use std::fs::File;
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use crate::description::{Description, Version};
+
+/// Why a file could not be packed or inspected.
+#[derive(Debug, thiserror::Error)]
+pub enum PackError {
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The archive could not be written or read.
+    #[error("{path}: {source}")]
+    Zip {
+        /// The archive.
+        path: PathBuf,
+        /// What the zip library said.
+        source: zip::result::ZipError,
+    },
+    /// No library, or a platform named twice, or one the version has no folder for.
+    #[error("{0}")]
+    Binaries(String),
+}
+
+/// A platform a library is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Platform {
+    /// Linux on x86-64.
+    LinuxX64,
+    /// Windows on x86-64.
+    WindowsX64,
+    /// Linux on 64-bit ARM; FMI 2.0 has no folder for it.
+    LinuxArm64,
+}
+
+impl Platform {
+    /// Folder below `binaries/`, if the version has one.
+    #[must_use]
+    pub fn folder(self, version: Version) -> Option<&'static str> {
+        match (version, self) {
+            (Version::Fmi2, Self::LinuxX64) => Some("linux64"),
+            (Version::Fmi2, Self::WindowsX64) => Some("win64"),
+            (Version::Fmi2, Self::LinuxArm64) => None,
+            (Version::Fmi3, Self::LinuxX64) => Some("x86_64-linux"),
+            (Version::Fmi3, Self::WindowsX64) => Some("x86_64-windows"),
+            (Version::Fmi3, Self::LinuxArm64) => Some("aarch64-linux"),
+        }
+    }
+
+    /// Ending of a shared library's name.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::LinuxX64 | Self::LinuxArm64 => "so",
+            Self::WindowsX64 => "dll",
+        }
+    }
+}
+
+/// A built library.
+#[derive(Clone, Debug)]
+pub struct Binary {
+    /// What it is built for.
+    pub platform: Platform,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// Writes an FMU. The same inputs give the same bytes.
+///
+/// # Errors
+/// [`PackError`] if a library is missing, given twice or has no folder, or on a file error.
+pub fn pack(
+    description: &Description,
+    version: Version,
+    binaries: &[Binary],
+    output: &Path,
+) -> Result<(), PackError> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    let xml = description.model_description(version);
+    files.push(("modelDescription.xml".to_owned(), xml.into_bytes()));
+    if binaries.is_empty() {
+        return Err(PackError::Binaries("an FMU needs at least one library".to_owned()));
+    }
+    for binary in binaries {
+        let Some(folder) = binary.platform.folder(version) else {
+            let platform = binary.platform;
+            return Err(PackError::Binaries(format!("{version:?} has no folder for {platform:?}")));
+        };
+        let (name, ending) = (description.model_identifier, binary.platform.extension());
+        let place = format!("binaries/{folder}/{name}.{ending}");
+        if files.iter().any(|(known, _)| *known == place) {
+            return Err(PackError::Binaries(format!("two libraries for {:?}", binary.platform)));
+        }
+        files.push((place, read(&binary.path)?));
+    }
+    for resource in &description.resources {
+        files.push((format!("resources/{}", resource.name), resource.bytes.to_vec()));
+    }
+    let page = description.documentation.as_bytes().to_vec();
+    files.push(("documentation/index.html".to_owned(), page));
+    if version == Version::Fmi3
+        && let Some(xml) = description.terminals_and_icons()
+    {
+        files.push(("terminalsAndIcons/terminalsAndIcons.xml".to_owned(), xml.into_bytes()));
+    }
+    if !description.icon.is_empty() {
+        let place = match version {
+            Version::Fmi2 => "model.png",
+            Version::Fmi3 => "terminalsAndIcons/icon.png",
+        };
+        files.push((place.to_owned(), description.icon.to_vec()));
+    }
+    write_zip(output, &files)
+}
+
+/// Writes named contents into a zip with fixed times, so that equal contents give equal bytes.
+///
+/// # Errors
+/// [`PackError`] on a file error.
+pub fn write_zip(output: &Path, files: &[(String, Vec<u8>)]) -> Result<(), PackError> {
+    let file_error = |source| PackError::File { path: output.to_owned(), source };
+    let zip_error = |source| PackError::Zip { path: output.to_owned(), source };
+    if let Some(parent) = output.parent() {
+        std::fs::create_dir_all(parent).map_err(file_error)?;
+    }
+    let mut zip = ZipWriter::new(File::create(output).map_err(file_error)?);
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(zip::DateTime::default())
+        .unix_permissions(0o644);
+    for (name, bytes) in files {
+        zip.start_file(name.as_str(), options).map_err(zip_error)?;
+        zip.write_all(bytes).map_err(file_error)?;
+    }
+    zip.finish().map_err(zip_error)?;
+    Ok(())
+}
+
+/// What is inside an FMU.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Inspection {
+    /// Attributes of the model description's root element, in order.
+    pub attributes: Vec<(String, String)>,
+    /// Names and sizes [bytes] of all files.
+    pub files: Vec<(String, u64)>,
+    /// The model description.
+    pub model_description: String,
+}
+
+/// Looks into an FMU, ours or anyone's.
+///
+/// # Errors
+/// [`PackError`] if the file cannot be read or holds no model description.
+pub fn inspect(path: &Path) -> Result<Inspection, PackError> {
+    let file_error = |source| PackError::File { path: path.to_owned(), source };
+    let zip_error = |source| PackError::Zip { path: path.to_owned(), source };
+    let mut archive = ZipArchive::new(File::open(path).map_err(file_error)?).map_err(zip_error)?;
+    let model_description = member(&mut archive, "modelDescription.xml").map_err(zip_error)?;
+    let mut files = Vec::new();
+    for i in 0..archive.len() {
+        let file = archive.by_index(i).map_err(zip_error)?;
+        files.push((file.name().to_owned(), file.size()));
+    }
+    Ok(Inspection { attributes: root_attributes(&model_description), files, model_description })
+}
+
+fn member<R: Read + Seek>(
+    archive: &mut ZipArchive<R>,
+    name: &str,
+) -> zip::result::ZipResult<String> {
+    let mut text = String::new();
+    archive.by_name(name)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
+fn root_attributes(xml: &str) -> Vec<(String, String)> {
+    let Some(start) = xml.find("<fmiModelDescription") else {
+        return Vec::new();
+    };
+    let mut rest = &xml[start + "<fmiModelDescription".len()..];
+    let mut attributes = Vec::new();
+    while let Some(equals) = rest.find('=') {
+        let key = rest[..equals].trim();
+        let value = rest[equals + 1..].trim_start();
+        let Some(quote) = value.chars().next().filter(|c| matches!(c, '"' | '\'')) else {
+            break;
+        };
+        let Some(end) = value[1..].find(quote) else {
+            break;
+        };
+        if key.contains('>') {
+            break;
+        }
+        attributes.push((key.to_owned(), value[1..=end].to_owned()));
+        rest = &value[end + 2..];
+    }
+    attributes
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, PackError> {
+    std::fs::read(path).map_err(|source| PackError::File { path: path.to_owned(), source })
+}

@@ -1,0 +1,190 @@
+//! Controller and vehicle wired to each other: as SSP and as OSP system structure.
+//!
+//! Both FMUs name the signals between them alike, so every connection is from a name to itself.
+
+use crate::controller::ControllerFmu;
+use crate::description::Description;
+use crate::model::Model;
+use crate::ship::{CONTROLLER, VEHICLE};
+use crate::variable::{Kind, Role, Variable};
+use crate::vehicle::VehicleFmu;
+use crate::xml::{Xml, number};
+
+/// Communication step of the system in parallel exchange [s]. Each exchange delays a signal by
+/// one step, so it is a tenth of the controller's period.
+const STEP: f64 = 0.01;
+const STOP: f64 = 60.0;
+const NAMES: [&str; 2] = ["controller", "vehicle"];
+
+/// Inputs of one model that the other one has as outputs.
+fn wires(from: &Description, to: &Description) -> Vec<String> {
+    let outputs = from.table.variables().iter().filter(|v| v.role.output());
+    let outputs: Vec<&str> = outputs.map(|v| v.name.as_str()).collect();
+    let inputs = to.table.variables().iter().filter(|v| v.role == Role::Input);
+    inputs.map(|v| v.name.clone()).filter(|name| outputs.contains(&name.as_str())).collect()
+}
+
+/// From, to, and what is connected between them.
+fn connections() -> [(&'static str, &'static str, Vec<String>); 2] {
+    let (controller, vehicle) = (ControllerFmu::description(), VehicleFmu::description());
+    let [c, v] = NAMES;
+    [(c, v, wires(controller, vehicle)), (v, c, wires(vehicle, controller))]
+}
+
+/// `SystemStructure.ssd`, SSP 1.0.
+pub(crate) fn ssd() -> String {
+    let mut xml = Xml::new();
+    let s = |text: &str| text.to_owned();
+    xml.open(
+        "ssd:SystemStructureDescription",
+        &[
+            ("xmlns:ssd", s("http://ssp-standard.org/SSP1/SystemStructureDescription")),
+            ("xmlns:ssv", s("http://ssp-standard.org/SSP1/SystemStructureParameterValues")),
+            ("xmlns:ssc", s("http://ssp-standard.org/SSP1/SystemStructureCommon")),
+            ("version", s("1.0")),
+            ("name", s("lmpc-race")),
+        ],
+    );
+    xml.open("ssd:System", &[("name", s("race"))]);
+    xml.open("ssd:Elements", &[]);
+    component(&mut xml, NAMES[0], CONTROLLER, ControllerFmu::description());
+    component(&mut xml, NAMES[1], VEHICLE, VehicleFmu::description());
+    xml.close("ssd:Elements");
+    xml.open("ssd:Connections", &[]);
+    for (from, to, names) in connections() {
+        for name in names {
+            xml.leaf(
+                "ssd:Connection",
+                &[
+                    ("startElement", s(from)),
+                    ("startConnector", name.clone()),
+                    ("endElement", s(to)),
+                    ("endConnector", name),
+                ],
+            );
+        }
+    }
+    xml.close("ssd:Connections");
+    xml.close("ssd:System");
+    xml.open("ssd:DefaultExperiment", &[("startTime", number(0.0)), ("stopTime", number(STOP))]);
+    xml.open("ssd:Annotations", &[]);
+    xml.open("ssc:Annotation", &[("type", s("org.openmodelica"))]);
+    let oms = (
+        "xmlns:oms",
+        s("https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"),
+    );
+    xml.open("oms:Annotations", &[oms]);
+    xml.open("oms:SimulationInformation", &[]);
+    let master = ("description", s("oms-ma"));
+    xml.leaf("oms:FixedStepMaster", &[master, ("stepSize", number(STEP))]);
+    xml.close("oms:SimulationInformation");
+    xml.close("oms:Annotations");
+    xml.close("ssc:Annotation");
+    xml.close("ssd:Annotations");
+    xml.close("ssd:DefaultExperiment");
+    xml.close("ssd:SystemStructureDescription");
+    xml.finish()
+}
+
+fn component(xml: &mut Xml, name: &str, file: &str, d: &Description) {
+    xml.open(
+        "ssd:Component",
+        &[
+            ("name", name.to_owned()),
+            ("type", "application/x-fmu-sharedlibrary".to_owned()),
+            ("source", format!("resources/{file}")),
+        ],
+    );
+    xml.open("ssd:Connectors", &[]);
+    let connected = |v: &&Variable| v.role.output() || v.role.settable();
+    for variable in d.table.variables().iter().filter(connected) {
+        let kind = match variable.role {
+            Role::Input => "input",
+            role if role.output() => "output",
+            _ => "parameter",
+        };
+        xml.open("ssd:Connector", &[("name", variable.name.clone()), ("kind", kind.to_owned())]);
+        let unit = ("unit", variable.unit.map_or("", |u| u.name).to_owned());
+        match variable.kind {
+            Kind::Real => xml.leaf("ssc:Real", &[unit]),
+            Kind::Integer => xml.leaf("ssc:Integer", &[]),
+            Kind::Boolean => xml.leaf("ssc:Boolean", &[]),
+            Kind::Text => xml.leaf("ssc:String", &[]),
+        }
+        xml.close("ssd:Connector");
+    }
+    xml.close("ssd:Connectors");
+    xml.open("ssd:ParameterBindings", &[]);
+    xml.open("ssd:ParameterBinding", &[]);
+    xml.open("ssd:ParameterValues", &[]);
+    let set = [("version", "1.0".to_owned()), ("name", "initialValues".to_owned())];
+    xml.open("ssv:ParameterSet", &set);
+    xml.open("ssv:Parameters", &[]);
+    for (name, value) in parameters(d) {
+        xml.open("ssv:Parameter", &[("name", name)]);
+        match value {
+            Value::Number(value) => xml.leaf("ssv:Real", &[("value", number(value))]),
+            Value::Text(value) => xml.leaf("ssv:String", &[("value", value)]),
+        }
+        xml.close("ssv:Parameter");
+    }
+    xml.close("ssv:Parameters");
+    xml.close("ssv:ParameterSet");
+    xml.close("ssd:ParameterValues");
+    xml.close("ssd:ParameterBinding");
+    xml.close("ssd:ParameterBindings");
+    xml.close("ssd:Component");
+}
+
+enum Value {
+    Number(f64),
+    Text(String),
+}
+
+/// The parameters a user of the wired system is most likely to change, with their start values.
+fn parameters(d: &Description) -> Vec<(String, Value)> {
+    let wanted = ["param.track", "initial.v_x", "initial.e_y"];
+    let variables = d.table.variables().iter();
+    variables
+        .filter(|v| wanted.contains(&v.name.as_str()))
+        .map(|v| {
+            let text = v.kind == Kind::Text;
+            let value = if text { Value::Text(v.text.clone()) } else { Value::Number(v.start) };
+            (v.name.clone(), value)
+        })
+        .collect()
+}
+
+/// `OspSystemStructure.xml` for libcosim, with the FMUs in `folder`.
+pub(crate) fn osp_structure(folder: &str) -> String {
+    let mut xml = Xml::new();
+    xml.open(
+        "OspSystemStructure",
+        &[
+            ("xmlns", "http://opensimulationplatform.com/MSMI/OSPSystemStructure".to_owned()),
+            ("version", "0.1".to_owned()),
+        ],
+    );
+    xml.raw(&format!("<BaseStepSize>{}</BaseStepSize>", number(STEP)));
+    xml.raw("<Algorithm>fixedStep</Algorithm>");
+    xml.open("Simulators", &[]);
+    for (name, file) in NAMES.iter().zip([CONTROLLER, VEHICLE]) {
+        let source = ("source", format!("{folder}/{file}"));
+        xml.leaf("Simulator", &[("name", (*name).to_owned()), source, ("stepSize", number(STEP))]);
+    }
+    xml.close("Simulators");
+    xml.open("Connections", &[]);
+    for (from, to, names) in connections() {
+        for name in names {
+            xml.open("VariableConnection", &[]);
+            for end in [from, to] {
+                let simulator = ("simulator", end.to_owned());
+                xml.leaf("Variable", &[simulator, ("name", name.clone())]);
+            }
+            xml.close("VariableConnection");
+        }
+    }
+    xml.close("Connections");
+    xml.close("OspSystemStructure");
+    xml.finish()
+}

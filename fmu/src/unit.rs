@@ -1,0 +1,57 @@
+//! Physical units and how each is built from the SI base units.
+
+/// A unit of the model description with its base-unit exponents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// Name as it appears in the model description, for example `m/s`.
+    pub name: &'static str,
+    /// Exponent of kilogram.
+    pub kg: i32,
+    /// Exponent of metre.
+    pub m: i32,
+    /// Exponent of second.
+    pub s: i32,
+    /// Exponent of radian.
+    pub rad: i32,
+    /// Factor that turns a value in this unit into base units.
+    pub factor: f64,
+}
+
+const fn unit(name: &'static str, kg: i32, m: i32, s: i32, rad: i32) -> Unit {
+    Unit { name, kg, m, s, rad, factor: 1.0 }
+}
+
+/// Dimensionless.
+pub const ONE: Unit = unit("1", 0, 0, 0, 0);
+/// Metre.
+pub const M: Unit = unit("m", 0, 1, 0, 0);
+/// Metre per second.
+pub const M_PER_S: Unit = unit("m/s", 0, 1, -1, 0);
+/// Metre per second squared.
+pub const M_PER_S2: Unit = unit("m/s2", 0, 1, -2, 0);
+/// Metre per second cubed, a jerk.
+pub const M_PER_S3: Unit = unit("m/s3", 0, 1, -3, 0);
+/// Second.
+pub const S: Unit = unit("s", 0, 0, 1, 0);
+/// Per second.
+pub const PER_S: Unit = unit("1/s", 0, 0, -1, 0);
+/// Millisecond.
+pub const MS: Unit = Unit { name: "ms", kg: 0, m: 0, s: 1, rad: 0, factor: 1e-3 };
+/// Radian.
+pub const RAD: Unit = unit("rad", 0, 0, 0, 1);
+/// Radian per second.
+pub const RAD_PER_S: Unit = unit("rad/s", 0, 0, -1, 1);
+/// Radian per metre, a curvature.
+pub const RAD_PER_M: Unit = unit("rad/m", 0, -1, 0, 1);
+/// Kilogram.
+pub const KG: Unit = unit("kg", 1, 0, 0, 0);
+/// Kilogram square metre.
+pub const KG_M2: Unit = unit("kg.m2", 1, 2, 0, 0);
+/// Newton.
+pub const N: Unit = unit("N", 1, 1, -2, 0);
+/// Square metre.
+pub const M2: Unit = unit("m2", 0, 2, 0, 0);
+/// Kilogram per cubic metre.
+pub const KG_PER_M3: Unit = unit("kg/m3", 1, -3, 0, 0);
+/// Watt.
+pub const W: Unit = unit("W", 1, 2, -3, 0);

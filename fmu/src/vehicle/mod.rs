@@ -1,0 +1,228 @@
+//! The vehicle FMU: the simulated car of `vehicle_model`.
+
+mod car;
+mod slots;
+
+use std::sync::OnceLock;
+
+use serde::{Deserialize, Serialize};
+use vehicle_model::{GripChange, Input, Plant, PlantParams, PlantState, SensorNoise, State};
+
+use crate::description::{Description, Terminal};
+use crate::files;
+use crate::model::{Io, Model, Step};
+use crate::status::Fault;
+use crate::table::{Real, Table};
+use crate::values::Values;
+use slots::Slots;
+
+/// The simulated car behind FMI. Any communication step is taken as it is: the plant cuts it
+/// into integration steps itself.
+#[derive(Debug)]
+pub struct VehicleFmu {
+    plant: Plant,
+    /// Grip factors the plant was built with; they are tunable.
+    grip: [f64; 2],
+    /// Measurement at the end of the last step: noise is drawn once per step, not per read.
+    measured: State,
+}
+
+/// What changes while a vehicle runs, and the fingerprints of what does not.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VehicleState {
+    car: u64,
+    track: u64,
+    plant: PlantState,
+    grip: [f64; 2],
+    measured: State,
+}
+
+fn description() -> &'static (Description, Slots) {
+    static CELL: OnceLock<(Description, Slots)> = OnceLock::new();
+    CELL.get_or_init(|| {
+        let mut table = Table::new();
+        let slots = Slots::new(&mut table);
+        let member = |name: &'static str| (name, format!("vehicle.{name}"));
+        let state = ["v_x", "v_y", "omega_z", "e_psi", "s", "e_y", "x", "y", "psi"];
+        let description = Description {
+            model_name: "LMPC vehicle",
+            model_identifier: "lmpc_vehicle",
+            description: "Single-track race car with tyre model, actuators and noisy sensors",
+            version: env!("CARGO_PKG_VERSION"),
+            stop_time: 60.0,
+            step_size: 0.1,
+            table,
+            terminals: vec![
+                Terminal {
+                    name: "command",
+                    description: "What the controller commands",
+                    members: vec![("a", "cmd.a".to_owned()), ("delta", "cmd.delta".to_owned())],
+                },
+                Terminal {
+                    name: "state",
+                    description: "What the sensors measure",
+                    members: state.into_iter().map(member).collect(),
+                },
+            ],
+            resources: crate::documents::RESOURCES.to_vec(),
+            documentation: include_str!("../../doc/vehicle.html"),
+            icon: include_bytes!("../../doc/vehicle.png"),
+            token: OnceLock::new(),
+        };
+        (description, slots)
+    })
+}
+
+fn slots() -> &'static Slots {
+    &description().1
+}
+
+fn array<const N: usize>(values: &Values, slots: &[Real; N]) -> [f64; N] {
+    slots.map(|slot| values.real(slot))
+}
+
+impl VehicleFmu {
+    /// The plant the parameters describe, at its start.
+    fn build(io: &Io<'_>) -> Result<Self, Fault> {
+        let (slots, values) = (slots(), &*io.values);
+        let car = match values.text(slots.car_name) {
+            "" => slots.car.read(values, &files::car(io, files::CAR)?),
+            name => files::car(io, name)?,
+        };
+        let mut params = PlantParams::new(car);
+        params.substep = values.real(slots.substep);
+        let [v_x, v_y, omega_z, e_psi, s, e_y] = array(values, &slots.noise);
+        params.noise = SensorNoise { v_x, v_y, omega_z, e_psi, s, e_y };
+        params.disturbance.process_std = array(values, &slots.process);
+        let [forward, left, x, y] = array(values, &slots.force);
+        params.disturbance.force_body_n = [forward, left];
+        params.disturbance.force_global_n = [x, y];
+        params.seed = u64::from(values.integer(slots.seed).unsigned_abs());
+        let grip = array(values, &slots.grip);
+        params.disturbance.grip = grip_changes(grip);
+        let [v_x, v_y, omega_z, e_psi, s, e_y] = array(values, &slots.initial);
+        let initial = State { v_x, v_y, omega_z, e_psi, s, e_y };
+        let track = files::track(io, values.text(slots.track))?;
+        let plant = Plant::new(params, track, initial).map_err(|e| Fault::Failed(e.to_string()))?;
+        Ok(Self { plant, grip, measured: initial })
+    }
+
+    /// Grip may change while stepping; everything else of the plant stays.
+    fn retune(&mut self, values: &Values) -> Result<(), Fault> {
+        let grip = array(values, &slots().grip);
+        self.set_grip(grip)
+    }
+
+    fn set_grip(&mut self, grip: [f64; 2]) -> Result<(), Fault> {
+        if grip == self.grip {
+            return Ok(());
+        }
+        let mut params = self.plant.params().clone();
+        params.disturbance.grip = grip_changes(grip);
+        let (track, state) = (self.plant.track().clone(), self.plant.state().clone());
+        let mut plant = Plant::new(params, track, self.plant.truth())
+            .map_err(|e| Fault::Failed(e.to_string()))?;
+        plant.restore(state);
+        (self.plant, self.grip) = (plant, grip);
+        Ok(())
+    }
+
+    fn publish(&self, values: &mut Values) {
+        let slots = slots();
+        let track = self.plant.track();
+        let mut write = |slots: &[Real; 9], x: &State| {
+            let pose = track.to_global(x);
+            let all = [x.v_x, x.v_y, x.omega_z, x.e_psi, x.s, x.e_y, pose.x, pose.y, pose.psi];
+            slots.iter().zip(all).for_each(|(slot, value)| values.set_real(*slot, value));
+        };
+        write(&slots.measured, &self.measured);
+        write(&slots.truth, &self.plant.truth());
+        let (applied, tyres) = (self.plant.applied(), self.plant.tyres());
+        values.set_real(slots.applied[0], applied.a);
+        values.set_real(slots.applied[1], applied.delta);
+        let axles =
+            [tyres.long, tyres.lateral, tyres.vertical, tyres.slip, self.plant.utilisation()];
+        for (pair, numbers) in slots.tyres.iter().zip(axles) {
+            pair.iter().zip(numbers).for_each(|(slot, number)| values.set_real(*slot, number));
+        }
+        values.set_real(slots.way[0], self.plant.lap() as f64);
+        values.set_real(slots.way[1], self.plant.progress());
+        values.set_real(slots.way[2], track.kappa(self.plant.truth().s));
+    }
+}
+
+fn grip_changes(grip: [f64; 2]) -> Vec<GripChange> {
+    if grip == [1.0; 2] {
+        return Vec::new();
+    }
+    vec![GripChange { factor: grip, time_s: None, s_m: None }]
+}
+
+impl Model for VehicleFmu {
+    type State = VehicleState;
+
+    fn description() -> &'static Description {
+        &description().0
+    }
+
+    fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
+        let mut model = Self::build(io)?;
+        model.measured = model.plant.measure();
+        model.publish(io.values);
+        let track = model.plant.track();
+        io.log.event(format!("car on track '{}', {} m long", track.name(), track.length()));
+        Ok(model)
+    }
+
+    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
+        self.retune(io.values)?;
+        let [a, delta] = array(io.values, &slots().command);
+        self.plant.apply(Input { a, delta }, step.size);
+        if !self.plant.truth().is_finite() {
+            return Err(Fault::Failed(format!(
+                "the car's state is no longer finite at {} s: an integration step of {} s is too \
+                 long for it, or a parameter is extreme",
+                step.end(),
+                self.plant.params().substep
+            )));
+        }
+        self.measured = self.plant.measure();
+        self.publish(io.values);
+        Ok(())
+    }
+
+    fn state(&self) -> VehicleState {
+        VehicleState {
+            car: self.plant.params().car.fingerprint(),
+            track: self.plant.track().fingerprint(),
+            plant: self.plant.state().clone(),
+            grip: self.grip,
+            measured: self.measured,
+        }
+    }
+
+    fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
+        let (car, track) =
+            (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
+        let other = if state.car != car {
+            "car"
+        } else if state.track != track {
+            "track"
+        } else {
+            // The grip of the last step; a later change in the values acts in the next one.
+            self.set_grip(state.grip)?;
+            self.plant.restore(state.plant.clone());
+            self.measured = state.measured;
+            return Ok(());
+        };
+        Err(Fault::Refused(format!("the {other} file holds another {other} than when saved")))
+    }
+
+    fn save(state: &VehicleState) -> Result<Vec<u8>, Fault> {
+        postcard::to_allocvec(state).map_err(|e| Fault::Refused(format!("saving the car: {e}")))
+    }
+
+    fn load(bytes: &[u8]) -> Result<VehicleState, Fault> {
+        postcard::from_bytes(bytes).map_err(|e| Fault::Refused(format!("saved car: {e}")))
+    }
+}

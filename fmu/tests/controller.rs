@@ -1,0 +1,261 @@
+//! The controller FMU over its C interface against the controller called directly, bit for bit:
+//! straight through, after a rollback, and from serialized bytes in a fresh instance.
+#![allow(clippy::unwrap_used, clippy::panic, unsafe_code)]
+
+use std::ffi::{CString, c_void};
+use std::ptr::{null, null_mut};
+use std::sync::Arc;
+
+use controller::{Config, Controller, Measurement, Pose};
+use fmu_core::c::fmi2::Callbacks;
+use fmu_core::{ControllerFmu, Model};
+use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
+
+fmu_core::export_fmu!(ControllerFmu);
+use fmi_exports as c;
+
+const STEPS: usize = 520;
+const PERIOD: f64 = 0.1;
+/// One initial lap, so that most of the steps are learned ones.
+const WARM_UP_LAPS: usize = 1;
+
+fn reference(name: &str) -> u32 {
+    let variables = ControllerFmu::description().table.variables();
+    variables.iter().position(|v| v.name == name).unwrap_or_else(|| panic!("no '{name}'")) as u32
+}
+
+fn references<const N: usize>(names: [&str; N]) -> [u32; N] {
+    names.map(reference)
+}
+
+const STATE: [&str; 6] =
+    ["vehicle.v_x", "vehicle.v_y", "vehicle.omega_z", "vehicle.e_psi", "vehicle.s", "vehicle.e_y"];
+
+/// One FMI 2.0 instance.
+struct Fmu(*mut c_void);
+
+impl Fmu {
+    fn instantiate() -> Self {
+        let token = CString::new(ControllerFmu::description().token()).unwrap();
+        let callbacks = Callbacks {
+            logger: None,
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            environment: null_mut(),
+        };
+        // SAFETY: strings end with a zero byte, the callbacks are whole.
+        let handle = unsafe {
+            c::fmi2Instantiate(c"c".as_ptr(), 1, token.as_ptr(), null(), &callbacks, 0, 0)
+        };
+        assert!(!handle.is_null());
+        Self(handle)
+    }
+
+    fn ready() -> Self {
+        let fmu = Self::instantiate();
+        let laps = WARM_UP_LAPS as f64;
+        // SAFETY: one reference, one value.
+        unsafe {
+            assert_eq!(c::fmi2SetReal(fmu.0, &reference("param.warm_up.laps"), 1, &laps), 0);
+            assert_eq!(c::fmi2SetupExperiment(fmu.0, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!(c::fmi2EnterInitializationMode(fmu.0), 0);
+            assert_eq!(c::fmi2ExitInitializationMode(fmu.0), 0);
+        }
+        fmu
+    }
+
+    fn command(&self) -> Input {
+        let (names, mut u) = (references(["cmd.a", "cmd.delta"]), [0.0; 2]);
+        // SAFETY: two references, two values.
+        assert_eq!(unsafe { c::fmi2GetReal(self.0, names.as_ptr(), 2, u.as_mut_ptr()) }, 0);
+        Input { a: u[0], delta: u[1] }
+    }
+
+    fn step(&self, k: usize, x: &State) -> Input {
+        let (names, x) = (references(STATE), x.to_vector());
+        // SAFETY: six references, six values.
+        let status = unsafe {
+            c::fmi2SetReal(self.0, names.as_ptr(), 6, x.as_ptr())
+                | c::fmi2DoStep(self.0, k as f64 * PERIOD, PERIOD, 1)
+        };
+        assert!(status <= 1, "step {k}: status {status}");
+        self.command()
+    }
+
+    fn saved(&self) -> *mut c_void {
+        let mut state = null_mut();
+        // SAFETY: the place is ours.
+        assert_eq!(unsafe { c::fmi2GetFMUstate(self.0, &mut state) }, 0);
+        state
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let (state, mut size) = (self.saved(), 0);
+        // SAFETY: the places are ours.
+        unsafe {
+            assert_eq!(c::fmi2SerializedFMUstateSize(self.0, state, &mut size), 0);
+            let mut bytes = vec![0; size];
+            assert_eq!(c::fmi2SerializeFMUstate(self.0, state, bytes.as_mut_ptr(), size), 0);
+            bytes
+        }
+    }
+
+    fn restore(&self, bytes: &[u8]) -> i32 {
+        let mut state = null_mut();
+        // SAFETY: the places are ours.
+        unsafe {
+            let made = c::fmi2DeSerializeFMUstate(self.0, bytes.as_ptr(), bytes.len(), &mut state);
+            if made == 0 { c::fmi2SetFMUstate(self.0, state) } else { made }
+        }
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        // SAFETY: the handle is ours.
+        unsafe { c::fmi2FreeInstance(self.0) };
+    }
+}
+
+fn plant() -> Plant {
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let params = PlantParams::new(CarParams::builtin("barc").unwrap());
+    Plant::new(params, track, State { v_x: 1.2, ..State::default() }).unwrap()
+}
+
+/// Drives from step `from` on; the commands as bits.
+fn drive(
+    plant: &mut Plant,
+    from: usize,
+    to: usize,
+    mut u: impl FnMut(usize, &State) -> Input,
+) -> Vec<[u64; 2]> {
+    let mut commands = Vec::new();
+    for k in from..to {
+        let command = u(k, &plant.measure());
+        commands.push([command.a.to_bits(), command.delta.to_bits()]);
+        plant.apply(command, PERIOD);
+    }
+    commands
+}
+
+#[test]
+fn commands_are_the_controllers_bit_for_bit_and_so_after_rollback_and_revival() {
+    let mut config = Config::default();
+    config.warm_up.laps = WARM_UP_LAPS;
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let car = CarParams::builtin("barc").unwrap();
+    let mut native = Controller::new(config, car, track).unwrap();
+    let expected = drive(&mut plant(), 0, STEPS, |k, x| {
+        let time = k as f64 * PERIOD;
+        native.step(&Measurement { time, pose: Pose::Frenet(*x), applied: None }).input
+    });
+    // Enough laps to have learned something.
+    assert!(native.laps().len() >= 6, "{} laps", native.laps().len());
+
+    let (fmu, mut car) = (Fmu::ready(), plant());
+    let half = STEPS / 2;
+    assert!(drive(&mut car, 0, half, |k, x| fmu.step(k, x)) == expected[..half]);
+    let (state, bytes, at_half) = (fmu.saved(), fmu.bytes(), car.clone());
+    assert!(drive(&mut car, half, STEPS, |k, x| fmu.step(k, x)) == expected[half..]);
+
+    // SAFETY: the state is one of this instance.
+    assert_eq!(unsafe { c::fmi2SetFMUstate(fmu.0, state) }, 0);
+    let again = drive(&mut at_half.clone(), half, STEPS, |k, x| fmu.step(k, x));
+    assert!(again == expected[half..], "after rollback");
+    drop(fmu);
+
+    let revived = Fmu::instantiate();
+    assert_eq!(revived.restore(&bytes), 0);
+    let again = drive(&mut at_half.clone(), half, STEPS, |k, x| revived.step(k, x));
+    assert!(again == expected[half..], "after serialization");
+
+    let mut damaged = bytes.clone();
+    damaged[bytes.len() / 2] ^= 4;
+    assert_eq!(Fmu::instantiate().restore(&damaged), 3);
+}
+
+#[test]
+fn a_speed_cap_set_while_stepping_acts_and_keeps_what_was_learned() {
+    let (fmu, mut car) = (Fmu::ready(), plant());
+    let half = STEPS / 2;
+    drive(&mut car, 0, half, |k, x| fmu.step(k, x));
+    let (state, mut again) = (fmu.saved(), car.clone());
+    let free = drive(&mut car.clone(), half, STEPS, |k, x| fmu.step(k, x));
+    let cap = 2.0;
+    // SAFETY: the state is one of this instance; one reference, one value.
+    unsafe {
+        assert_eq!(c::fmi2SetFMUstate(fmu.0, state), 0);
+        assert_eq!(c::fmi2SetReal(fmu.0, &reference("param.limits.speed_cap"), 1, &cap), 0);
+    }
+    let slow = drive(&mut car, half, STEPS, |k, x| fmu.step(k, x));
+    let speed = car.truth().v_x;
+    assert!((1.7..2.1).contains(&speed), "{speed} m/s with a cap of {cap} m/s");
+    assert!(slow != free);
+    // Rolling back takes the cap away again.
+    // SAFETY: as above.
+    assert_eq!(unsafe { c::fmi2SetFMUstate(fmu.0, state) }, 0);
+    assert!(drive(&mut again, half, STEPS, |k, x| fmu.step(k, x)) == free);
+}
+
+#[test]
+fn commands_are_held_between_periods_and_longer_steps_discarded() {
+    let fmu = Fmu::ready();
+    let x = State { v_x: 1.2, e_y: 0.1, ..State::default() }.to_vector();
+    let names = references(STATE);
+    let steps = reference("status.steps");
+    // SAFETY: arrays have the length they are given.
+    unsafe {
+        assert_eq!(c::fmi2SetReal(fmu.0, names.as_ptr(), 6, x.as_ptr()), 0);
+        assert_eq!(c::fmi2DoStep(fmu.0, 0.0, 0.11, 1), 2);
+        let (mut time, mut held) = (0.0, None);
+        for k in 1..=40 {
+            let size = 0.025;
+            assert_eq!(c::fmi2DoStep(fmu.0, time, size, 1), 0);
+            time += size;
+            let mut count = 0.0;
+            assert_eq!(c::fmi2GetReal(fmu.0, &steps, 1, &mut count), 0);
+            assert_eq!(count, f64::from((k + 3) / 4));
+            let u = fmu.command();
+            if k % 4 != 1 {
+                assert_eq!(held, Some(u));
+            }
+            held = Some(u);
+        }
+    }
+}
+
+#[test]
+fn wrong_parameters_are_refused_at_the_end_of_initialisation() {
+    for (name, text) in [
+        ("param.preset", "fastest"),
+        ("param.track", "none.toml"),
+        ("param.config", "none.toml"),
+        ("param.learned_load", "none.lmpc"),
+    ] {
+        let fmu = Fmu::instantiate();
+        let text = CString::new(text).unwrap();
+        // SAFETY: one reference, one text.
+        unsafe {
+            assert_eq!(c::fmi2SetString(fmu.0, &reference(name), 1, &text.as_ptr()), 0);
+            assert_eq!(c::fmi2EnterInitializationMode(fmu.0), 0);
+            assert_eq!(c::fmi2ExitInitializationMode(fmu.0), 3, "{name}");
+        }
+    }
+}
+
+#[test]
+fn twenty_instances_on_twenty_threads_drive_as_one_alone() {
+    let run = || {
+        let fmu = Fmu::ready();
+        drive(&mut plant(), 0, 200, |k, x| fmu.step(k, x))
+    };
+    let alone = run();
+    std::thread::scope(|scope| {
+        let all: Vec<_> = (0..20).map(|_| scope.spawn(run)).collect();
+        for one in all {
+            assert_eq!(one.join().unwrap(), alone);
+        }
+    });
+}

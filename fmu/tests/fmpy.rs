@@ -1,0 +1,69 @@
+//! The test model in FMPy: validated, simulated, and probed with everything a host must not do.
+//!
+//! Needs Python with FMPy: the one `tools/fmu_tools.sh fmpy` makes, or that named in `LMPC_PYTHON`.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod probe;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use fmu_core::{Binary, Model, Platform, Version, inspect, pack};
+use probe::Probe;
+
+fn target() -> PathBuf {
+    let exe = std::env::current_exe().unwrap();
+    exe.ancestors().nth(2).unwrap().to_owned()
+}
+
+fn packed(version: Version) -> PathBuf {
+    let binary =
+        Binary { platform: Platform::LinuxX64, path: target().join("examples/libprobe.so") };
+    let path = target().join(format!("fmu/{version:?}/probe.fmu").to_lowercase());
+    pack(Probe::description(), version, &[binary], &path).unwrap();
+    path
+}
+
+fn python(script: &str, arguments: &[PathBuf]) {
+    let python = std::env::var_os("LMPC_PYTHON")
+        .map_or_else(|| target().join("../tools/fmpy/bin/python"), PathBuf::from);
+    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let output = Command::new(&python).arg(&script).args(arguments).output().unwrap_or_else(|e| {
+        panic!("{}: {e}; `tools/fmu_tools.sh fmpy` makes it", python.display())
+    });
+    assert!(
+        output.status.success(),
+        "{} {}: {}\n{}{}",
+        python.display(),
+        script.display(),
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn fmpy_validates_simulates_and_survives_bad_input() {
+    python("fmpy_probe.py", &[packed(Version::Fmi2), packed(Version::Fmi3)]);
+}
+
+#[test]
+fn packing_twice_gives_the_same_bytes_and_the_parts_are_there() {
+    for (version, library, guid) in [
+        (Version::Fmi2, "binaries/linux64/probe.so", "guid"),
+        (Version::Fmi3, "binaries/x86_64-linux/probe.so", "instantiationToken"),
+    ] {
+        let path = packed(version);
+        let first = std::fs::read(&path).unwrap();
+        assert!(first == std::fs::read(packed(version)).unwrap());
+        let inside = inspect(&path).unwrap();
+        let token = Probe::description().token().to_owned();
+        assert!(inside.attributes.contains(&(guid.to_owned(), token)));
+        let names: Vec<&str> = inside.files.iter().map(|f| f.0.as_str()).collect();
+        assert!(names.contains(&library) && names.contains(&"documentation/index.html"));
+        assert_eq!(
+            names.contains(&"terminalsAndIcons/terminalsAndIcons.xml"),
+            version == Version::Fmi3
+        );
+    }
+}

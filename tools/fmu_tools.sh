@@ -1,0 +1,21 @@
+#!/bin/sh
+# Makes the Python environments of the importers the FMUs are tested in, below target/tools.
+# Without arguments all of them, otherwise those named: fmpy ecos cosim pathsim.
+set -eu
+cd "$(dirname "$0")/.."
+tools=${CARGO_TARGET_DIR:-target}/tools
+
+for name in ${*:-fmpy ecos cosim pathsim}; do
+    case $name in
+        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0" ;;
+        ecos) packages="ecospy==0.7.2" ;;
+        cosim) packages="libcosimpy==0.0.6" ;;
+        pathsim) packages="pathsim-fmi==0.1.1" ;;
+        *) echo "unknown: $name" >&2 && exit 2 ;;
+    esac
+    [ ! -f "$tools/$name/ready" ] || continue
+    python3 -m venv "$tools/$name"
+    # shellcheck disable=SC2086
+    "$tools/$name/bin/pip" install --quiet --disable-pip-version-check $packages
+    touch "$tools/$name/ready"
+done
