@@ -72,7 +72,11 @@ fn tracks() {
         ("width_left_m = 4.5", "width_left_m = nan", &["line 2", "nan", "width"]),
         ("radius_m = 20.0\n", "radius_m = inf\n", &["line 9", "inf", "expected"]),
         ("angle_deg", "angel_deg", &["line 8", "radius_m without angle_deg", "expected"]),
-        ("length_m = 100.0\n", "length_m = \"far\"\n", &["line 6, column 12", "string", "a number above 0"]),
+        (
+            "length_m = 100.0\n",
+            "length_m = \"far\"\n",
+            &["line 6, column 12", "string", "a number above 0"],
+        ),
     ];
     for (found, replaced, words) in cases {
         let error = Track::from_toml(&stadium(found, replaced)).unwrap_err();

@@ -376,7 +376,9 @@ fn whatever_is_measured_the_command_is_allowed() {
         }
     }
     assert!(driven > 1000 && refused > 1000, "{driven} driven, {refused} refused, {hurried}");
-    assert!(drive.controller.laps().iter().all(|lap| lap.result.lap_time > 3.0 || !lap.result.valid));
+    assert!(
+        drive.controller.laps().iter().all(|lap| lap.result.lap_time > 3.0 || !lap.result.valid)
+    );
     println!("{driven} {refused} {hurried} laps {}", drive.laps.len());
     // And it has not forgotten how to drive.
     let x = drive.plant.truth();
@@ -386,9 +388,11 @@ fn whatever_is_measured_the_command_is_allowed() {
 
 fn goes_on_learning_from_anywhere(mut drive: Drive) {
     let finished = drive.laps.len();
-    while drive.laps.len() < finished + 4 {
-        drive.step();
+    while drive.laps.len() < finished + 14 {
+        let c = drive.step();
+        if c.status.reason != Reason::None || c.status.state.e_y.abs() > 0.55 { println!("{:?} {:?} {:?} {:?}", c.status.lap, c.status.action, c.status.reason, c.status.state); }
         assert!(drive.steps < 22_000);
     }
-    assert!(drive.laps.last().unwrap().valid, "{:?}", &drive.laps[finished..]);
+    println!("grip {:?}", drive.controller.grip());
+    assert!(drive.laps.last().unwrap().valid && false, "{:?}", &drive.laps[finished..]);
 }
