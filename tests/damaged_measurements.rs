@@ -379,20 +379,13 @@ fn whatever_is_measured_the_command_is_allowed() {
     assert!(
         drive.controller.laps().iter().all(|lap| lap.result.lap_time > 3.0 || !lap.result.valid)
     );
-    println!("{driven} {refused} {hurried} laps {}", drive.laps.len());
-    // And it has not forgotten how to drive.
+    // What it learned is spoiled, but not for good.
     let x = drive.plant.truth();
     drive.plant.reset(State { s: x.s, v_x: 1.2, ..State::default() });
-    goes_on_learning_from_anywhere(drive);
-}
-
-fn goes_on_learning_from_anywhere(mut drive: Drive) {
-    let finished = drive.laps.len();
-    while drive.laps.len() < finished + 14 {
-        let c = drive.step();
-        if c.status.reason != Reason::None || c.status.state.e_y.abs() > 0.55 { println!("{:?} {:?} {:?} {:?}", c.status.lap, c.status.action, c.status.reason, c.status.state); }
-        assert!(drive.steps < 22_000);
+    let before = drive.laps.len();
+    while drive.laps.len() < before + 2 || !drive.laps[drive.laps.len() - 1].valid {
+        drive.step();
+        assert!(drive.laps.len() < before + 20, "{:?}", &drive.laps[before..]);
+        assert!(drive.steps < 22_000, "{:?}", &drive.laps[before..]);
     }
-    println!("grip {:?}", drive.controller.grip());
-    assert!(drive.laps.last().unwrap().valid && false, "{:?}", &drive.laps[finished..]);
 }
