@@ -141,8 +141,8 @@ impl Observer<'_> {
         let driven = dt * from.v_x.abs().max(to.v_x.abs());
         let periods = (dt / self.config.horizon.period).max(1.0);
         let allowed = self.jump_floor * periods + JUMP_SHARE * driven;
-        // A distance that is no number is a jump too.
-        !((to.x - x).hypot(to.y - y) <= allowed)
+        let missed = (to.x - x).hypot(to.y - y);
+        missed > allowed || missed.is_nan()
     }
 
     fn complete_last_sample(
