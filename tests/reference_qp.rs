@@ -1,6 +1,6 @@
 //! The FHOCP against QPs of an independent implementation: same objective, same first input.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used)] // a missing number must fail the test
 
 use controller::Affine;
 use controller::config::{SolverConfig, SolverMethod};

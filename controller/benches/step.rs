@@ -2,6 +2,8 @@
 //!
 //! Growth is a ratio of medians within one run: absolute times of a busy machine mean little.
 
+#![allow(clippy::expect_used, clippy::print_stdout)] // a program of its own
+
 use std::sync::Arc;
 use std::time::Instant;
 
