@@ -1,5 +1,6 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
+mod network;
 mod race;
 mod study;
 
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use network::{NetworkArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
@@ -41,6 +43,10 @@ pub enum Command {
     Race(Box<RaceArgs>),
     /// Repeat a study of the paper over many seeds
     Study(Box<StudyArgs>),
+    /// Serve the controller on an LCM network
+    Serve(Box<ServeArgs>),
+    /// Put a vehicle on an LCM network
+    Vehicle(VehicleArgs),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
     /// Print a completion script for a shell

@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod check;
+mod network;
 mod race;
 mod race_table;
 mod seeds;
@@ -10,7 +11,7 @@ mod study;
 use anyhow::Result;
 use clap::CommandFactory as _;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, Vehicle, VehicleArgs};
 use crate::console::Talk;
 
 /// How a command ended that did not fail.
@@ -45,6 +46,8 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     match cli.command {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
+        Command::Serve(args) => network::serve(&args, talk),
+        Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
         Command::Check(args) => check::run(&args),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.
