@@ -29,7 +29,7 @@ fmu-test: fmu
 lint:
 	cargo fmt --check
 	cargo clippy --workspace --all-targets -- -D warnings
-	cargo deny check
+	cargo deny check licenses bans sources
 
 bench:
 	cargo bench -p controller

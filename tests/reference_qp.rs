@@ -1,5 +1,7 @@
 //! The FHOCP against QPs of an independent implementation: same objective, same first input.
 
+#![allow(clippy::unwrap_used)] // a missing number must fail the test
+
 use controller::Affine;
 use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{Backend, Fhocp, FhocpSolver, SlipRow, Solution, Solver};

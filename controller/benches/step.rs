@@ -1,7 +1,8 @@
 //! One control step by phase, with few and with many laps stored: `cargo bench -p controller`.
 //!
 //! Growth is a ratio of medians within one run: absolute times of a busy machine mean little.
-#![allow(clippy::expect_used, clippy::print_stdout)]
+
+#![allow(clippy::expect_used, clippy::print_stdout)] // a program of its own
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,5 +1,6 @@
 //! From a measurement to a believed state: refusal, lap counting, recording.
 
+use vehicle_model::track::wrap_angle;
 use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
@@ -7,16 +8,18 @@ use crate::learning::dataset::Sample;
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
 
-/// Jumps in a row after which the new place is believed.
+/// Doubtful measurements in a row after which what they say is believed.
 const SUSPECTS: u32 = 3;
 /// Share of the distance driven that a measurement may deviate from dead reckoning.
 const JUMP_SHARE: f64 = 0.1;
+/// More than any tyre or wing can do, less than a broken sensor says [m/s^2].
+const HARDEST: f64 = 50.0;
 
 /// What is known of the car's shape and track when a measurement comes in.
 pub(crate) struct Observer<'a> {
     pub(crate) config: &'a Config,
     pub(crate) track: &'a Track,
-    /// A deviation up to this is no jump [m].
+    /// The wheelbase: a deviation up to this is no jump [m].
     pub(crate) jump_floor: f64,
 }
 
@@ -42,15 +45,22 @@ impl Observer<'_> {
             return Ok(self.begin(memory, time, state, Reason::None));
         };
         let periods = (time - last.time) / self.config.horizon.period;
+        if periods < -1e-6 {
+            // One that comes late is refused; a clock that was set back is believed in the end,
+            // or the last command would stand for ever.
+            if self.doubtful(memory) {
+                return Err(Reason::TimeNotAdvancing);
+            }
+            memory.dataset.current.from_line = false;
+            return Ok(self.begin(memory, time, state, Reason::TimeGap));
+        }
         if periods < 1e-6 {
             return Err(Reason::TimeNotAdvancing);
         }
         if self.jumped(&last, time, &state) {
-            memory.suspects += 1;
-            if memory.suspects < SUSPECTS {
+            if self.doubtful(memory) {
                 return Err(Reason::Jump);
             }
-            memory.dataset.interrupt();
             return Ok(self.begin(memory, time, state, Reason::Jump));
         }
         memory.suspects = 0;
@@ -62,8 +72,13 @@ impl Observer<'_> {
         if ahead > half {
             // Backwards over the line: the lap in progress has lost its meaning.
             memory.dataset.interrupt();
+            memory.drop_plan();
         }
         let finished = crossed.then(|| self.cross(memory, &last, time, &state)).flatten();
+        if crossed && gap {
+            // When the new lap began is a guess.
+            memory.dataset.interrupt();
+        }
         self.record(memory, time, state);
         let reason = if gap { Reason::TimeGap } else { Reason::None };
         Ok(Observation { state, reason, finished, crossed })
@@ -81,7 +96,14 @@ impl Observer<'_> {
             _ => return None,
         };
         state.s = self.track.wrap(state.s);
-        Some(state)
+        state.e_psi = wrap_angle(state.e_psi);
+        state.is_finite().then_some(state)
+    }
+
+    /// Counts a doubtful measurement; whether it is still to be refused.
+    fn doubtful(&self, memory: &mut Memory) -> bool {
+        memory.suspects += 1;
+        memory.suspects < SUSPECTS
     }
 
     /// Starts recording at a place not connected with what came before.
@@ -90,6 +112,7 @@ impl Observer<'_> {
         let near_line = state.s < 0.02 * self.track.length();
         memory.suspects = 0;
         memory.drop_plan();
+        memory.dataset.interrupt();
         if first {
             let current = &mut memory.dataset.current;
             current.start_time = time;
@@ -105,13 +128,21 @@ impl Observer<'_> {
     /// frame: there a curvature step of the centre line makes no step.
     fn jumped(&self, last: &Last, time: f64, state: &State) -> bool {
         let dt = time - last.time;
+        let (before, now) = (&last.state, state);
+        let turned = (now.omega_z - before.omega_z).abs() * self.jump_floor;
+        let pushed = (now.v_x - before.v_x).hypot(now.v_y - before.v_y);
+        if pushed.max(turned) > HARDEST * dt {
+            return true;
+        }
         let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
         let (sin, cos) = (from.psi + 0.5 * dt * from.omega_z).sin_cos();
         let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
         let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
         let driven = dt * from.v_x.abs().max(to.v_x.abs());
         let periods = (dt / self.config.horizon.period).max(1.0);
-        (to.x - x).hypot(to.y - y) > self.jump_floor * periods + JUMP_SHARE * driven
+        let allowed = self.jump_floor * periods + JUMP_SHARE * driven;
+        let missed = (to.x - x).hypot(to.y - y);
+        missed > allowed || missed.is_nan()
     }
 
     fn complete_last_sample(

@@ -1,4 +1,8 @@
-//! What the tests that cross crates share: the reference numbers.
+//! What the tests that cross crates share: the reference numbers, and a car that drives.
+
+mod drive;
+
+pub use drive::{Drive, barc, l_track};
 
 use std::path::PathBuf;
 

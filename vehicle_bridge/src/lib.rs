@@ -1,13 +1,14 @@
-//! Hosts of the racing LMPC: the offline race and the studies of the paper, with everything a
-//! person sees of them.
+//! Hosts of the racing LMPC: the offline race, the studies of the paper, and
+//! programs on an LCM network, with everything a person sees of them.
 //!
 //! `lmpc` is a thin binary over this library: [`cli`] defines the command line, [`commands`] run
-//! it, [`race`] and [`study`] do the work, [`page`] and [`report`] draw it.
+//! it, [`race`], [`study`] and [`network`] do the work, [`page`] and [`report`] draw it.
 
 pub mod check;
 pub mod cli;
 pub mod commands;
 pub mod console;
+pub mod network;
 pub mod page;
 pub mod parallel;
 pub mod race;

@@ -74,7 +74,7 @@ pub(crate) struct Seen<'a> {
 
 impl Dataset {
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,
-    /// those past its end in the lap that followed, if that was driven without interruption.
+    /// those past its end in the lap that followed, up to the first interruption.
     pub(crate) fn seen_from(&self, lap: usize, index: isize, length: f64) -> Option<Seen<'_>> {
         let own = &self.laps[lap].samples;
         if index < 0 {
@@ -83,7 +83,8 @@ impl Dataset {
             }
             let before = &self.laps[lap - 1].samples;
             let i = before.len().checked_sub(index.unsigned_abs())?;
-            return Some(Seen { sample: &before[i], offset: -length });
+            let sample = &before[i];
+            return sample.next.map(|_| Seen { sample, offset: -length });
         }
         let i = index.unsigned_abs();
         if let Some(sample) = own.get(i) {
@@ -96,7 +97,11 @@ impl Dataset {
         if !follows {
             return None;
         }
-        behind.get(i - own.len()).map(|sample| Seen { sample, offset: length })
+        // What comes behind an interruption is not what this lap led to.
+        let j = i - own.len();
+        let led_here = if j == 0 { own.last() } else { behind.get(j - 1) };
+        led_here?.next?;
+        behind.get(j).map(|sample| Seen { sample, offset: length })
     }
 
     /// Closes the lap in progress at `end_time`; the next begins there.

@@ -1,6 +1,7 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
 mod fmu;
+mod network;
 mod race;
 mod study;
 
@@ -9,6 +10,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
+pub use network::{NetworkArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
@@ -43,6 +45,10 @@ pub enum Command {
     Race(Box<RaceArgs>),
     /// Repeat a study of the paper over many seeds
     Study(Box<StudyArgs>),
+    /// Serve the controller on an LCM network
+    Serve(Box<ServeArgs>),
+    /// Put a vehicle on an LCM network
+    Vehicle(VehicleArgs),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
     /// Pack FMUs, or look into one

@@ -2,6 +2,7 @@
 
 mod check;
 mod fmu;
+mod network;
 mod race;
 mod race_table;
 mod seeds;
@@ -11,7 +12,7 @@ mod study;
 use anyhow::Result;
 use clap::CommandFactory as _;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, Vehicle, VehicleArgs};
 use crate::console::Talk;
 
 /// How a command ended that did not fail.
@@ -46,6 +47,8 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     match cli.command {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
+        Command::Serve(args) => network::serve(&args, talk),
+        Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
         Command::Check(args) => check::run(&args),
         Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {

@@ -1,0 +1,125 @@
+//! What ARCHITECTURE.md promises of the source tree.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Every file below a folder that ends in `.rs`.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn paths_named_in_the_architecture_exist() {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    // Between the fences stands a drawing: its paths are bare words.
+    let (mut drawing, mut words) = (false, Vec::new());
+    for line in text.lines() {
+        if line.starts_with("```") {
+            drawing = !drawing;
+        } else if drawing {
+            words.extend(line.split_whitespace().filter(|word| word.ends_with(".rs")));
+        } else {
+            words.extend(line.split('`').skip(1).step_by(2));
+        }
+    }
+    let paths: Vec<_> = words.into_iter().filter(|word| word.contains('/')).collect();
+    assert!(paths.len() >= 10, "{paths:?}");
+    for path in paths {
+        let (folder, suffix) = path.split_once("/*").unwrap_or((path, ""));
+        let place = root().join(folder);
+        assert!(place.exists(), "ARCHITECTURE.md names `{path}`, which does not exist");
+        if !suffix.is_empty() {
+            let mut names = fs::read_dir(place).unwrap().map(|e| e.unwrap().file_name());
+            assert!(names.any(|n| n.to_string_lossy().ends_with(suffix)), "`{path}`: none");
+        }
+    }
+}
+
+#[test]
+fn every_crate_is_on_the_map() {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    let members = workspace["workspace"]["members"].as_array().unwrap();
+    for member in members {
+        let path = format!("`{}/`", member.as_str().unwrap());
+        assert!(text.contains(&path), "ARCHITECTURE.md does not name {path}");
+    }
+}
+
+/// Names of all packages that `package` depends on, directly or not, as the lock file has them.
+fn dependencies(package: &str) -> Vec<String> {
+    let lock: toml::Table = read(&root().join("Cargo.lock")).parse().unwrap();
+    let packages = lock["package"].as_array().unwrap();
+    let mut all = vec![package.to_owned()];
+    let mut next = 0;
+    while next < all.len() {
+        let of = packages.iter().filter(|p| p["name"].as_str() == Some(all[next].as_str()));
+        let direct: Vec<String> = of
+            .filter_map(|p| p.get("dependencies")?.as_array())
+            .flatten()
+            .filter_map(|d| d.as_str()?.split(' ').next().map(str::to_owned))
+            .collect();
+        for name in direct {
+            if !all.contains(&name) {
+                all.push(name);
+            }
+        }
+        next += 1;
+    }
+    all
+}
+
+#[test]
+fn the_core_depends_on_nothing_of_networks_or_fmi() {
+    for package in ["controller", "vehicle_model"] {
+        let manifest: toml::Table = read(&root().join(package).join("Cargo.toml")).parse().unwrap();
+        assert!(manifest.contains_key("dependencies"));
+        let all = dependencies(package);
+        assert!(all.iter().any(|name| name == "nalgebra"), "{all:?}");
+        for name in &all {
+            let name = name.to_lowercase();
+            for foreign in ["lcm", "fmi", "fmu", "vehicle_bridge", "socket", "tokio"] {
+                assert!(!name.contains(foreign), "{package} depends on {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_core_has_no_files_environment_clock_or_threads() {
+    for package in ["controller", "vehicle_model"] {
+        let mut files = Vec::new();
+        sources(&root().join(package).join("src"), &mut files);
+        assert!(files.len() > 10);
+        for file in files {
+            let text = read(&file);
+            for module in ["fs", "env", "time", "thread", "net", "process", "io"] {
+                let name = format!("std::{module}");
+                let used = text.match_indices(&name).any(|(at, _)| {
+                    let next = text[at + name.len()..].chars().next();
+                    !next.is_some_and(|c| c.is_alphanumeric() || c == '_')
+                });
+                assert!(!used, "{} names {name}", file.display());
+            }
+            assert!(!text.contains("std::{"), "{}: one import a line", file.display());
+            assert!(!text.contains("unsafe {"), "{} has an unsafe block", file.display());
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Options of `lmpc serve` and `lmpc vehicle`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::ControllerArgs;
+use crate::transport::DEFAULT_URL;
+
+const SERVE_EXAMPLES: &str = "\
+Examples:
+  lmpc serve                                 small car, L track, this host's network
+  lmpc serve --learned l.lmpc                keep what is learned, and find it again
+  lmpc serve --dry-run                       compute, but never command the car
+  lmpc serve --url 'udpm://239.255.76.67:7667?ttl=1' --realtime
+
+Answers each CAR/STATE with one LMPC/CMD and tells of its work on LMPC/TELEM, LMPC/LAP and
+HB/lmpc. Obeys START, STOP, ESTOP, ESTOP_RESET and SET_SPEED_CAP on OP/CMD. Ctrl-C tells the
+car to stop, then ends. LCM has no authentication: give a real car a network of its own.";
+
+const SIM_EXAMPLES: &str = "\
+Examples:
+  lmpc vehicle sim                           in real time, until Ctrl-C
+  lmpc vehicle sim --laps 8 --plant mu=0.8
+  lmpc vehicle sim --lock-step --steps 500   time waits for each command
+
+Publishes CAR/STATE and CAR/ACT, obeys LMPC/CMD. Without a valid command it brakes. Both
+programs must be given the same car, track and configuration.";
+
+/// Options of every program on the network.
+#[derive(Debug, Args)]
+pub struct NetworkArgs {
+    /// LCM network; by default that of LCM_DEFAULT_URL, else LCM's usual group on this host
+    #[arg(long, value_name = "URL")]
+    pub url: Option<String>,
+}
+
+impl NetworkArgs {
+    /// The network chosen here, by the environment, or by default.
+    #[must_use]
+    pub fn url(&self) -> String {
+        let environment = || std::env::var("LCM_DEFAULT_URL").ok();
+        let chosen = self.url.clone().or_else(environment);
+        chosen.filter(|url| !url.is_empty()).unwrap_or_else(|| DEFAULT_URL.to_owned())
+    }
+}
+
+/// Options of `lmpc serve`.
+#[derive(Debug, Args)]
+#[command(after_help = SERVE_EXAMPLES)]
+pub struct ServeArgs {
+    /// What drives, where, and what it is told.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+    /// Seed of the noise in the warm-up laps
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+    /// Learned data: loaded if there, saved after every lap
+    #[arg(long, value_name = "FILE")]
+    pub learned: Option<PathBuf>,
+    /// Publish what would be commanded on LMPC/CMD_DRY, and never a command
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Do not drive before the operator's START
+    #[arg(long)]
+    pub wait_for_start: bool,
+    /// FIFO priority and locked memory, where the system grants them
+    #[arg(long)]
+    pub realtime: bool,
+    /// Time a command may be used; by default two and a half periods
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub valid_for_ms: Option<u32>,
+}
+
+/// Options of `lmpc vehicle`.
+#[derive(Debug, Args)]
+pub struct VehicleArgs {
+    /// Which vehicle.
+    #[command(subcommand)]
+    pub vehicle: Vehicle,
+}
+
+/// Vehicles.
+#[derive(Debug, Subcommand)]
+pub enum Vehicle {
+    /// A simulated car
+    Sim(Box<SimArgs>),
+}
+
+/// Options of `lmpc vehicle sim`.
+#[derive(Debug, Args)]
+#[command(after_help = SIM_EXAMPLES)]
+pub struct SimArgs {
+    /// The car, the track, and the configuration whose period it keeps.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+    /// Seed of the car's noise
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+    /// Time stands still until each state is answered
+    #[arg(long)]
+    pub lock_step: bool,
+    /// End after this many periods
+    #[arg(long, value_name = "N")]
+    pub steps: Option<u64>,
+    /// End after this many laps
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub laps: Option<u32>,
+    /// Speed on the line at the start; by default 0, in lock-step that of the warm-up laps
+    #[arg(long, value_name = "MPS")]
+    pub start_speed: Option<f64>,
+    /// FIFO priority and locked memory, where the system grants them
+    #[arg(long)]
+    pub realtime: bool,
+}

@@ -1,0 +1,156 @@
+//! `lmpc serve` and `lmpc vehicle`.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result};
+use controller::Controller;
+use vehicle_model::{Plant, PlantParams, State};
+
+use super::{Outcome, setup};
+use crate::cli::{ServeArgs, SimArgs};
+use crate::console::{Talk, WARN, paint, result};
+use crate::network::car::{Car, CarOptions, Drive};
+use crate::network::realtime;
+use crate::network::service::{Service, ServiceOptions};
+use crate::network::store::Store;
+use crate::race::FailureRule;
+use crate::race::words::kind_word;
+use crate::transport::{self, ThreadStart, Transport};
+
+/// A command may be used this many periods: one lost command does not stop the car.
+const VALID_PERIODS: f64 = 2.5;
+/// In lock-step, how long the car waits for an answer.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Serves until Ctrl-C.
+pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
+    let options = setup::race(&args.controller, 0)?;
+    let mut config = options.config;
+    config.warm_up.seed = args.seed;
+    let period = config.horizon.period;
+    let mut controller = Controller::new(config, options.nominal, options.track)?;
+    let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));
+    let store = match &args.learned {
+        Some(path) => Some(Store::open(path, &mut controller, warn)?),
+        None => None,
+    };
+    if let Some(path) = &args.learned {
+        talk.say(&format!("{} laps loaded from {}", controller.laps().len(), path.display()));
+    }
+    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    notes.extend(real_time(args.realtime));
+    for note in &notes {
+        warn(note);
+    }
+    let service = ServiceOptions {
+        dry_run: args.dry_run,
+        wait_for_start: args.wait_for_start,
+        valid_for: args.valid_for_ms.map_or(VALID_PERIODS * period, |ms| f64::from(ms) * 1e-3),
+        notes,
+    };
+    let stop = on_signal()?;
+    let mut service = Service::new(service, controller, store, &network)?;
+    talk.say("serving; Ctrl-C stops the car and ends");
+    service.run(&stop, &mut |lap, seen| {
+        let best = seen.best_time;
+        talk.say(&format!(
+            "lap {} ({}): {:.3} s, best {best:.3} s, margin {:.3} m, {} fallbacks{}",
+            lap.lap,
+            kind_word(lap.kind),
+            lap.lap_time,
+            seen.min_margin,
+            seen.fallbacks,
+            if lap.valid { "" } else { ", not valid" }
+        ));
+    });
+    Ok(Outcome::Done)
+}
+
+/// Runs a simulated car.
+pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
+    let options = setup::race(&args.controller, 0)?;
+    let config = &options.config;
+    let rolling = if args.lock_step { config.warm_up.speed } else { 0.0 };
+    let start = State { v_x: args.start_speed.unwrap_or(rolling), ..State::default() };
+    let params = PlantParams { seed: args.seed, ..options.plant.clone() };
+    let plant = Plant::new(params, Arc::clone(&options.track), start)?;
+    let rule = FailureRule::new(config, &options.track);
+    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    notes.extend(real_time(args.realtime));
+    for note in &notes {
+        talk.say(&paint(WARN, &format!("warning: {note}")));
+    }
+    let car = CarOptions {
+        period: config.horizon.period,
+        lock_step: args.lock_step,
+        steps: args.steps,
+        laps: args.laps,
+        patience: PATIENCE,
+    };
+    let stop = on_signal()?;
+    let mut closed = Ok(());
+    let drive = Car::new(car, plant, rule, &network)?.run(&stop, &mut |lap, time, clean| {
+        let off = if clean { "" } else { "  off the track" };
+        if closed.is_ok() {
+            closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
+        }
+    })?;
+    closed?;
+    account(&drive, talk);
+    Ok(match (drive.deserted, drive.off_track + drive.stopped) {
+        (true, _) => Outcome::Problems,
+        (false, 0) => Outcome::Done,
+        _ => Outcome::Degraded,
+    })
+}
+
+fn account(drive: &Drive, talk: Talk) {
+    talk.say(&format!(
+        "{} periods, {} off the track, {} by fallback plan, {} stopped, {} more than a period late \
+         (latest by {:.1} ms)",
+        drive.steps,
+        drive.off_track,
+        drive.by_plan,
+        drive.stopped,
+        drive.late,
+        drive.latest * 1e3
+    ));
+    if drive.deserted {
+        talk.say("no command answered the last state");
+    }
+}
+
+/// The network, and what a person should know about it.
+fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
+    #[cfg(feature = "liblcm")]
+    transport::liblcm::enter_environment(url)?;
+    // What it cannot have is reported once, for the loop.
+    let start: ThreadStart = Box::new(|| drop(realtime::prioritise(realtime::RECEIVE_PRIORITY)));
+    let network = transport::open(url, fifo.then_some(start))
+        .with_context(|| format!("cannot join the network {url}"))?;
+    let warnings = network.warnings().to_vec();
+    Ok((network, warnings))
+}
+
+/// Takes real-time rights for this thread; what is missing, in words.
+fn real_time(wanted: bool) -> Vec<String> {
+    if !wanted {
+        return vec!["without real-time priority (--realtime)".to_owned()];
+    }
+    [realtime::lock_memory(), realtime::prioritise(realtime::LOOP_PRIORITY)]
+        .into_iter()
+        .filter_map(Result::err)
+        .collect()
+}
+
+/// Set by Ctrl-C or a request to end; a second one ends at once.
+fn on_signal() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))?;
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    Ok(stop)
+}

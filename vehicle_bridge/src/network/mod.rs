@@ -1,0 +1,17 @@
+//! The controller and the simulated car as programs on an LCM network.
+//!
+//! [`service`] answers each `CAR/STATE` with one `LMPC/CMD`; [`car`] is a simulated car that
+//! publishes the one and obeys the other. Checks of what comes in are in [`guard`].
+//! [`convert`] and [`telemetry`] alone know how messages and the controller's types correspond.
+
+pub mod car;
+pub mod convert;
+pub mod guard;
+pub mod operator;
+pub mod outlet;
+pub mod pulse;
+pub mod realtime;
+pub mod schedule;
+pub mod service;
+pub mod store;
+pub mod telemetry;

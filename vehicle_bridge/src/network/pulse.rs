@@ -1,0 +1,104 @@
+//! Life signs, ten a second, from a thread of their own.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use lcm_types::{Heartbeat, channels};
+
+use super::guard::Counts;
+use super::outlet::{Identity, Outlet};
+use crate::transport::Transport;
+
+const INTERVAL: Duration = Duration::from_millis(100);
+/// Pages of memory on every system this runs on. \[MB\]
+const PAGE_MB: f32 = 4096.0 / 1e6;
+
+/// What a program says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Health {
+    /// One of the states of [`Heartbeat`].
+    pub state: i8,
+    /// Messages received and refused.
+    pub counts: Counts,
+    /// What a person should know.
+    pub detail: String,
+}
+
+/// The sending thread; ends when dropped.
+pub struct Pulse {
+    health: Arc<Mutex<Health>>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Pulse {
+    /// Begins to send on `HB/<name>`.
+    ///
+    /// # Errors
+    /// If the thread cannot be started.
+    pub fn start(
+        network: &Arc<dyn Transport>,
+        identity: &Identity,
+        name: &str,
+    ) -> std::io::Result<Self> {
+        let health: Arc<Mutex<Health>> = Arc::default();
+        let stop = Arc::new(AtomicBool::new(false));
+        let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
+        let (seen, ended) = (Arc::clone(&health), Arc::clone(&stop));
+        let thread = std::thread::Builder::new()
+            .name("lmpc-pulse".to_owned())
+            .spawn(move || beat(outlet, &seen, &ended))?;
+        Ok(Self { health, stop, thread: Some(thread) })
+    }
+
+    /// Changes what is said.
+    pub fn update(&self, change: impl FnOnce(&mut Health)) {
+        change(&mut self.health.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+impl Drop for Pulse {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // It has nothing to say at its end.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn beat(mut outlet: Outlet, health: &Mutex<Health>, stop: &AtomicBool) {
+    let begun = Instant::now();
+    let mut due = begun;
+    while !stop.load(Ordering::Relaxed) {
+        let Health { state, counts, detail } =
+            health.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let message = Heartbeat {
+            h: outlet.header(),
+            state,
+            uptime_s: begun.elapsed().as_secs_f64(),
+            rss_mb: resident_mb(),
+            rx_ok: counts.ok,
+            rx_bad: counts.bad,
+            rx_old: counts.old,
+            rx_stale: counts.stale,
+            rx_lost: counts.lost,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            detail,
+            ..Heartbeat::default()
+        };
+        // A life sign that is lost is what its absence says.
+        let _ = outlet.send(&message);
+        due += INTERVAL;
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+}
+
+/// Resident memory; 0 where the system does not tell. \[MB\]
+fn resident_mb() -> f32 {
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages = text.split_whitespace().nth(1).and_then(|pages| pages.parse::<f32>().ok());
+    pages.unwrap_or(0.0) * PAGE_MB
+}

@@ -1,0 +1,334 @@
+//! The controller as a service: one command for each state that is due.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use controller::{Command, Controller, Reason};
+use lcm_types::{ActuationCommand, OperatorAck, OperatorCommand, VehicleState, channels};
+use vehicle_model::Input;
+
+use super::convert::{self, Answered, Order};
+use super::guard::{Accepted, Guard};
+use super::operator::Authority;
+use super::outlet::{Identity, Outlet};
+use super::pulse::Pulse;
+use super::schedule::Schedule;
+use super::store::Store;
+use super::telemetry::{self, LapSeen, Step};
+use crate::race::timing::Stopwatch;
+use crate::transport::{self, Filter, Inbox, Received, Transport};
+
+/// A silence this long lets another sender of states in. \[s\]
+const SILENCE: f64 = 1.0;
+/// Longest sleep, so that signals and orders are seen.
+const NAP: Duration = Duration::from_millis(20);
+
+/// How the service is to run.
+#[derive(Debug, Clone)]
+pub struct ServiceOptions {
+    /// Commands go to `LMPC/CMD_DRY` and are never for the car.
+    pub dry_run: bool,
+    /// Wait for the operator's `START`.
+    pub wait_for_start: bool,
+    /// How long a command may be used; also the oldest state believed. \[s\]
+    pub valid_for: f64,
+    /// What a person should know of this start; goes into every life sign.
+    pub notes: Vec<String>,
+}
+
+/// What a lap was, for who watches.
+pub type OnLap<'a> = &'a mut dyn FnMut(&controller::LapResult, &LapSeen);
+
+/// The service.
+pub struct Service {
+    options: ServiceOptions,
+    controller: Controller,
+    store: Option<Store>,
+    states: Inbox,
+    orders: Inbox,
+    guard: Guard,
+    order_guard: Guard,
+    authority: Authority,
+    commands: Outlet,
+    telemetry: Outlet,
+    laps: Outlet,
+    acks: Outlet,
+    pulse: Pulse,
+    schedule: Schedule,
+    track_id: i64,
+    seen: LapSeen,
+    last: Option<Last>,
+    overruns: i32,
+    send_errors: u64,
+    save_error: Option<String>,
+}
+
+/// The last step.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    answered: Answered,
+    input: Input,
+    speed: f64,
+    arrival_ns: i64,
+    /// The input was cut after the controller gave it.
+    cut: bool,
+}
+
+impl Service {
+    /// On a network, with a controller that may have loaded data.
+    ///
+    /// # Errors
+    /// If the network refuses the subscriptions, or a thread cannot be started.
+    pub fn new(
+        options: ServiceOptions,
+        controller: Controller,
+        store: Option<Store>,
+        network: &Arc<dyn Transport>,
+    ) -> Result<Self> {
+        let identity = Identity::new("lmpc");
+        let outlet = |channel: &str| Outlet::new(network, &identity, channel);
+        let (states, orders) = (Inbox::latest(), Inbox::queue(64));
+        network.subscribe(Filter::channel(channels::STATE), states.sink())?;
+        network.subscribe(Filter::channel(channels::OPERATOR), orders.sink())?;
+        let host = identity.sender.rsplit('@').next().unwrap_or_default();
+        let (age, silence) =
+            (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
+        let name = if options.dry_run { channels::COMMAND_DRY } else { channels::COMMAND };
+        let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
+        Ok(Self {
+            guard: Guard::new(age, silence, host),
+            order_guard: Guard::new(silence, silence, host),
+            authority: Authority::new(options.wait_for_start),
+            commands: outlet(name),
+            telemetry: outlet(channels::TELEMETRY),
+            laps: outlet(channels::LAP),
+            acks: outlet(channels::OPERATOR_ACK),
+            pulse: Pulse::start(network, &identity, "lmpc")?,
+            schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
+            track_id: convert::track_id(controller.track()),
+            seen: LapSeen::new(key),
+            last: None,
+            overruns: 0,
+            send_errors: 0,
+            save_error: None,
+            options,
+            controller,
+            store,
+            states,
+            orders,
+        })
+    }
+
+    /// Serves until `stop` is set, then tells the car to stop.
+    pub fn run(&mut self, stop: &AtomicBool, on_lap: OnLap<'_>) {
+        let period = Duration::from_secs_f64(self.controller.config().horizon.period);
+        let mut deadline = Instant::now() + period;
+        while !stop.load(Ordering::Relaxed) {
+            while let Some(order) = self.orders.take() {
+                self.obey(&order);
+            }
+            match self.states.wait_until(deadline.min(Instant::now() + NAP)) {
+                Some(received) => {
+                    if self.state(&received, on_lap) {
+                        deadline = Instant::now() + period;
+                    }
+                    self.states.recycle(received);
+                }
+                None if Instant::now() >= deadline => {
+                    self.overdue();
+                    // From the last deadline, not from now: the beat does not drift.
+                    deadline += period;
+                }
+                None => {}
+            }
+            self.report();
+        }
+        self.say_stop(ActuationCommand::MODE_SAFE_STOP);
+    }
+
+    /// Takes a state; true if it was believed.
+    fn state(&mut self, received: &Received, on_lap: OnLap<'_>) -> bool {
+        let (arrival_ns, now_ns) = (received.arrival.mono_ns, transport::now().mono_ns);
+        let track_id = self.track_id;
+        let sane = |state: &VehicleState| {
+            state.quality > 0
+                && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
+        };
+        let times = (arrival_ns, now_ns);
+        let Ok(Accepted { message: state, fresh_start }) =
+            self.guard.check(&received.payload, times, |state| &state.h, sane)
+        else {
+            return false;
+        };
+        if fresh_start {
+            self.schedule.restart(state.meas_mono_ns, arrival_ns);
+        }
+        match self.authority.mode() {
+            ActuationCommand::MODE_DRIVE => self.drive(&state, arrival_ns, on_lap),
+            mode => {
+                self.remember(&state, arrival_ns);
+                self.say_stop(mode);
+            }
+        }
+        true
+    }
+
+    fn remember(&mut self, state: &VehicleState, arrival_ns: i64) {
+        let input = self.last.map(|last| last.input).unwrap_or_default();
+        let (answered, speed) = (Answered::of(state), state.vx);
+        self.last = Some(Last { answered, input, speed, arrival_ns, cut: true });
+    }
+
+    fn drive(&mut self, state: &VehicleState, arrival_ns: i64, on_lap: OnLap<'_>) {
+        let answered = Answered::of(state);
+        if self.last.is_some_and(|last| {
+            last.answered.boot_id == answered.boot_id && last.answered.mono_ns == answered.mono_ns
+        }) && self.schedule.begun()
+        {
+            // The same measurement again: the car has not heard the answer.
+            self.command(answered, ActuationCommand::MODE_DRIVE);
+            return;
+        }
+        let Some(time_ns) = self.schedule.due(state.meas_mono_ns, arrival_ns) else { return };
+        let Some(pose) = convert::pose(state, self.track_id) else { return };
+        let period = self.controller.config().horizon.period;
+        // Normally the controller's own word is what was applied.
+        let applied = self.last.filter(|last| last.cut).map(|last| last.input);
+        let measurement = convert::measurement(pose, time_ns, period, applied);
+        let mut stopwatch = Stopwatch::start();
+        let command = self.controller.step_probed(&measurement, &mut stopwatch);
+        let time = stopwatch.stop();
+        let input = self.capped(command.input, state.vx);
+        let cut = input != command.input;
+        self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut });
+        self.command(answered, ActuationCommand::MODE_DRIVE);
+        let total = (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
+        self.overruns += i32::from(total > period);
+        let (state_seq, overruns) = (answered.seq, self.overruns);
+        self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
+    }
+
+    /// The input that does not take the car past the operator's cap within a period.
+    fn capped(&self, input: Input, v_x: f64) -> Input {
+        let period = self.controller.config().horizon.period;
+        match self.authority.speed_cap {
+            Some(cap) => {
+                let most = ((cap - v_x) / period).max(self.controller.car().a_min);
+                Input { a: input.a.min(most), ..input }
+            }
+            None => input,
+        }
+    }
+
+    fn command(&mut self, answered: Answered, mode: i8) {
+        let input = self.last.map(|last| last.input).unwrap_or_default();
+        let drives = mode == ActuationCommand::MODE_DRIVE;
+        let cut = self.last.is_some_and(|last| last.cut);
+        #[expect(clippy::cast_possible_truncation, reason = "seconds")]
+        let valid_for_us = (self.options.valid_for * 1e6) as i32;
+        let order = Order {
+            answered,
+            mode,
+            input: if drives { input } else { Input { a: 0.0, ..input } },
+            plan: (drives && !cut).then(|| self.controller.plan()),
+            period: self.controller.config().horizon.period,
+            valid_for_us,
+        };
+        let message = order.message(self.commands.header());
+        let sent = self.commands.send_sealed(&message);
+        self.count(sent);
+    }
+
+    fn say_stop(&mut self, mode: i8) {
+        let answered = self.last.map(|last| last.answered).unwrap_or_default();
+        self.command(answered, mode);
+    }
+
+    /// After the command: telemetry, the end of a lap, and what can be prepared.
+    fn tell(&mut self, command: &Command, step: &Step, on_lap: OnLap<'_>) {
+        let h = self.telemetry.header();
+        let message = telemetry::step_message(h, &self.controller, command, step);
+        let sent = self.telemetry.send(&message);
+        self.count(sent);
+        if let Some(lap) = &command.status.finished {
+            let best = if lap.valid { lap.lap_time } else { f64::INFINITY };
+            self.seen.best_time = self.seen.best_time.min(best);
+            let h = self.laps.header();
+            let message = telemetry::lap_message(h, self.track_id, lap, &self.seen);
+            let sent = self.laps.send(&message);
+            self.count(sent);
+            on_lap(lap, &self.seen);
+            self.seen.close(lap);
+        }
+        let late = step.total > self.controller.config().horizon.period;
+        if command.status.reason != Reason::TimeNotAdvancing {
+            self.seen.add(self.controller.track(), command, late);
+        }
+        self.controller.prepare();
+        if let (Some(store), true) = (&self.store, command.status.finished.is_some()) {
+            store.save(&self.controller);
+        }
+    }
+
+    /// No state came in time. The car follows its last command's plan as long as that is valid.
+    fn overdue(&mut self) {
+        let Some(last) = self.last else { return };
+        let silent_ns = transport::now().mono_ns - last.arrival_ns;
+        if silent_ns > convert::nanoseconds(self.options.valid_for) {
+            self.say_stop(match self.authority.mode() {
+                ActuationCommand::MODE_DRIVE => ActuationCommand::MODE_SAFE_STOP,
+                mode => mode,
+            });
+        }
+    }
+
+    fn obey(&mut self, received: &Received) {
+        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let checked =
+            self.order_guard.check(&received.payload, times, |o: &OperatorCommand| &o.h, |_| true);
+        let Ok(Accepted { message: order, .. }) = checked else { return };
+        let answer = self.authority.obey(&order, self.last.map(|last| last.speed));
+        let ack = OperatorAck {
+            h: self.acks.header(),
+            request_id: order.request_id,
+            accepted: answer.is_ok(),
+            state: self.authority.state,
+            arm_token: 0,
+            detail: answer.err().unwrap_or_default(),
+        };
+        let sent = self.acks.send(&ack);
+        self.count(sent);
+    }
+
+    fn count(&mut self, sent: Result<()>) {
+        self.send_errors += u64::from(sent.is_err());
+    }
+
+    fn report(&mut self) {
+        if let Some(error) = self.store.as_ref().and_then(Store::error) {
+            self.save_error = Some(error);
+        }
+        let (state, counts) = (self.authority.state, self.guard.counts);
+        let mut detail = self.options.notes.clone();
+        if self.overruns > 0 {
+            detail.push(format!("{} steps took longer than a period", self.overruns));
+        }
+        if self.send_errors > 0 {
+            detail.push(format!("{} messages could not be sent", self.send_errors));
+        }
+        detail.extend(self.save_error.clone());
+        self.pulse.update(|health| {
+            health.state = state;
+            health.counts = counts;
+            health.detail = detail.join("; ");
+        });
+    }
+
+    /// The controller.
+    #[must_use]
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+}

@@ -1,0 +1,111 @@
+//! `lmpc serve` and `lmpc vehicle sim` in two processes over real multicast.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
+
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use common::{MULTICAST, URL, isolated};
+use controller::{Action, Config};
+use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
+use vehicle_bridge::race::{Race, RaceOptions, change_plant};
+use vehicle_bridge::transport::{self, Filter, Inbox};
+use vehicle_model::{CarParams, Track};
+
+mod common;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+const STEPS: usize = 400;
+/// One warm-up lap, so that most of the steps are learned.
+const WARM_UP: &str = "warm_up.laps=1";
+const PLANT: &str = "mu=0.85,noise=0.001";
+const SEED: u64 = 3;
+
+/// A process that ends with the test.
+struct Program(Child);
+
+impl Program {
+    fn start(arguments: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
+        command.args(arguments).args(["--url", URL, "--set", WARM_UP, "--seed", &SEED.to_string()]);
+        Self(command.stdout(Stdio::null()).spawn().unwrap())
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The same race in one process.
+fn race() -> Race {
+    let car = CarParams::builtin("barc").unwrap();
+    let shipped = Config::of_car("barc").unwrap_or_default();
+    let mut config = Config::from_toml(shipped).unwrap();
+    config.warm_up.laps = 1;
+    config.warm_up.seed = SEED;
+    let track = std::sync::Arc::new(Track::builtin("l").unwrap());
+    let mut options = RaceOptions::new(config, car.clone().with_mu(1.2), track);
+    options.plant = vehicle_model::PlantParams::new(car);
+    change_plant(&mut options.plant, &PLANT.split(',').map(str::to_owned).collect::<Vec<_>>())
+        .unwrap();
+    options.seed = SEED;
+    let mut race = Race::new(options).unwrap();
+    for _ in 0..STEPS {
+        race.step();
+    }
+    race
+}
+
+#[test]
+fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
+    let name = "in_lock_step_the_commands_are_those_of_the_race_bit_for_bit";
+    isolated(name, MULTICAST, URL, || {
+        let network = transport::open(URL, None).unwrap();
+        let inbox = |channel: &str| {
+            let inbox = Inbox::queue(2 * STEPS);
+            network.subscribe(Filter::channel(channel), inbox.sink()).unwrap();
+            inbox
+        };
+        let (states, commands) = (inbox(channels::STATE), inbox(channels::COMMAND));
+        let alive = inbox("HB/lmpc");
+        let _serve = Program::start(&["serve"]);
+        alive.wait(PATIENCE).expect("a life sign of `lmpc serve`");
+        let steps = STEPS.to_string();
+        let mut car =
+            Program::start(&["vehicle", "sim", "--lock-step", "--steps", &steps, "--plant", PLANT]);
+        let status = car.0.wait().unwrap();
+        assert!(matches!(status.code(), Some(0 | 3)), "{status}");
+
+        let race = race();
+        let learned = race.steps.iter().filter(|row| row.status.action == Action::Learned).count();
+        assert!(learned >= 150, "{learned} learned steps");
+        let states: Vec<VehicleState> = std::iter::from_fn(|| states.take())
+            .map(|received| VehicleState::open(&received.payload).unwrap())
+            .collect();
+        let commands: Vec<ActuationCommand> = std::iter::from_fn(|| commands.take())
+            .map(|received| ActuationCommand::open(&received.payload).unwrap())
+            .collect();
+        for (n, row) in race.steps.iter().enumerate() {
+            // A state not heard at once is said again, with the same time of measurement.
+            let meas_mono_ns = (row.time * 1e9).round() as i64;
+            let state = states.iter().find(|state| state.meas_mono_ns == meas_mono_ns);
+            let state = state.unwrap_or_else(|| panic!("no state of step {n}"));
+            let answers: Vec<_> =
+                commands.iter().filter(|c| c.state_mono_ns == meas_mono_ns && c.enable).collect();
+            assert!(!answers.is_empty(), "no answer in step {n}");
+            for answer in answers {
+                let bits = |a: f64, delta: f64| (a.to_bits(), delta.to_bits());
+                assert_eq!(
+                    bits(answer.accel, answer.steer),
+                    bits(row.u.a, row.u.delta),
+                    "step {n}, {:?}: {answer:?}, race {:?}",
+                    row.status.action,
+                    row.u
+                );
+            }
+            assert_eq!(state.quality, 2);
+        }
+    });
+}
