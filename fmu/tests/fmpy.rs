@@ -8,7 +8,7 @@ mod probe;
 use std::path::PathBuf;
 use std::process::Command;
 
-use fmu_core::{Binary, Model, Platform, Version, inspect, pack};
+use fmu_core::{Binary, Kind, Model, Platform, Version, inspect, pack};
 use probe::Probe;
 
 fn target() -> PathBuf {
@@ -59,6 +59,16 @@ fn packing_twice_gives_the_same_bytes_and_the_parts_are_there() {
         let inside = inspect(&path).unwrap();
         let token = Probe::description().token().to_owned();
         assert!(inside.attributes.contains(&(guid.to_owned(), token)));
+        let written = Probe::description().table.variables();
+        assert_eq!(inside.variables.len(), written.len());
+        for (row, variable) in inside.variables.iter().zip(written) {
+            assert_eq!(row.name, variable.name);
+            assert_eq!(row.description, variable.description);
+            assert_eq!(row.unit, variable.unit.map_or("", |unit| unit.name));
+            let number = (variable.kind == Kind::Real && variable.role.settable())
+                .then(|| row.start.parse::<f64>().unwrap());
+            assert!(number.is_none_or(|start| start == variable.start), "{row:?}");
+        }
         let names: Vec<&str> = inside.files.iter().map(|f| f.0.as_str()).collect();
         assert!(names.contains(&library) && names.contains(&"documentation/index.html"));
         assert_eq!(
