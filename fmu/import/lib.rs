@@ -1,1 +1,0 @@
-//! Tests alone: the FMUs of `make fmu` in the `fmi` crate.
