@@ -1,15 +1,30 @@
-# The two commands of the README: `make race` and `make test`.
-.PHONY: race test lint bench clean
+# The commands of the README: `make race`, `make test`, `make fmu`.
+FMU = $${CARGO_TARGET_DIR:-target}/fmu
+.PHONY: race test fmu fmu-test lint bench clean
 
 race:
 	tools/setup.sh race
 	cargo run --release -p vehicle_bridge --bin lmpc -- race --out out/race
 
 test:
-	tools/setup.sh race test
+	tools/setup.sh race test fmu fmu-test
 	tools/setup-lcm.sh
+	tools/fmu_tools.sh
 	cargo test --workspace --release
 	tests/interop/types.sh
+	$(MAKE) fmu-test
+
+# Both FMUs for Linux and Windows, FMI 2.0 and 3.0, and the wired systems, in out/fmu.
+fmu:
+	tools/setup.sh race fmu
+	tools/fmu.sh --windows
+	cargo run --quiet --release -p vehicle_bridge --bin lmpc -- fmu pack $(FMU)/lib --out out/fmu
+
+# Both FMUs in every importer that is not ours, under Valgrind and under wine.
+fmu-test: fmu
+	tools/setup.sh fmu fmu-test
+	tools/fmu_check.sh
+	tools/fmu_host_check.sh
 
 lint:
 	cargo fmt --check

@@ -25,7 +25,10 @@ for target in $targets; do
     case $target in *linux*) flags="$flags -L native=$out/libgcc" ;; esac
     [ "$target" = aarch64-unknown-linux-gnu ] &&
         flags="$flags -C linker=${CROSS_CC:-aarch64-linux-gnu-gcc}"
-    RUSTFLAGS="$flags" cargo build --quiet --profile fmu --target "$target" \
+    # Without sections of their own, dead functions leave a DLL only at link-time optimisation.
+    lto=false
+    case $target in *windows*) lto=thin ;; esac
+    CARGO_PROFILE_FMU_LTO=$lto RUSTFLAGS="$flags" cargo build --quiet --profile fmu --target "$target" \
         --target-dir "$out/build" -p lmpc_vehicle -p lmpc_controller
     mkdir -p "$out/lib/$target"
     for name in lmpc_vehicle lmpc_controller; do

@@ -32,24 +32,37 @@ for ssp in "$fmus/lmpc-race.ssp" "$fmus/fmi3/lmpc-race.ssp"; do
         "$work/x/SystemStructure.ssd"
 done
 
-echo "== against the native race"
-cargo run --quiet -p fmu_core --example native > "$work/native.txt"
-"$python" fmu/tests/fmpy_lockstep.py "$work/native.txt" "$fmus"
+echo "== against lmpc race"
+cargo run --quiet --release -p vehicle_bridge --bin lmpc -- \
+    --quiet race --seed 0 --laps 2 --out "$work/race" > /dev/null
+"$python" fmu/tests/fmpy_lockstep.py "$work/race/trajectory.csv" "$fmus"
 
 echo "== five laps in every tool"
-race() {
-    echo "-- $*"
-    "$@" > "$work/race.log" 2>&1 || { cat "$work/race.log"; exit 1; }
-    grep -E '^lap [0-9]+:|laps$|steps, trace' "$work/race.log"
+rm -rf "$work/laps" && mkdir "$work/laps"
+race() { # coupling order, tool, command
+    log="$work/laps/$1@$2"
+    shift 2
+    "$@" > "$log" 2>&1 || { cat "$log"; exit 1; }
 }
-for version in 2 3; do
-    race "$python" examples/fmu/race_fmpy.py --fmus "$fmus" --controller $version --vehicle $version
-    race "$tools/pathsim/bin/python" examples/fmu/race_pathsim.py --fmus "$fmus" --fmi $version
-    race "$tools/ecos/bin/python" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $version
+# A loop of our own or a tool that steps the controller first and the car with the new command; or
+# one that steps both and then exchanges.
+one="sequential, controller first"
+all="parallel, exchange every 0.01 s"
+ecos=$tools/ecos/bin/python cosim=$tools/cosim/bin/python pathsim=$tools/pathsim/bin/python
+for c in 2 3; do
+    for v in 2 3; do
+        race "$one" "FMPy, FMI $c controller, $v vehicle" \
+            "$python" examples/fmu/race_fmpy.py --fmus "$fmus" --controller $c --vehicle $v
+    done
+    race "$one" "PathSim, FMI $c" "$pathsim" examples/fmu/race_pathsim.py --fmus "$fmus" --fmi $c
+    race "$all" "Ecos, FMI $c" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c
+    race "$all" "Ecos, FMI $c, SSP" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c --ssp
 done
-race "$tools/cosim/bin/python" examples/fmu/race_libcosim.py --fmus "$fmus"
-race "$tools/cosim/bin/python" examples/fmu/race_libcosim.py --fmus "$fmus" --ssp
+race "$all" "libcosim, FMI 2" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus"
+race "$all" "libcosim, FMI 2, SSP" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus" --ssp
+"$python" examples/fmu/notebook.py > "$work/notebook.log" 2>&1 || { cat "$work/notebook.log"; exit 1; }
 mkdir -p "$work/foreign"
-(cd "$work" && "$OLDPWD/$tools/fmpy/bin/pythonfmu" build -d foreign \
-    -f "$OLDPWD/examples/fmu/foreign_vehicle.py" > /dev/null)
-race "$python" examples/fmu/race_foreign.py --fmus "$fmus" --foreign "$work/foreign"
+"$tools/fmpy/bin/pythonfmu" build -d "$work/foreign" -f examples/fmu/foreign_vehicle.py > /dev/null
+race "$one" "foreign vehicle (PythonFMU, FMI 2), FMPy" \
+    "$python" examples/fmu/race_foreign.py --fmus "$fmus" --foreign "$work/foreign"
+"$python" fmu/tests/race_table.py "$work/laps" 5

@@ -7,15 +7,15 @@ tools=${CARGO_TARGET_DIR:-target}/tools
 
 for name in ${*:-fmpy ecos cosim pathsim}; do
     case $name in
-        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0" ;;
+        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib==3.11.2" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;
         pathsim) packages="pathsim-fmi==0.1.1" ;;
         *) echo "unknown: $name" >&2 && exit 2 ;;
     esac
-    [ ! -f "$tools/$name/ready" ] || continue
+    [ "$(cat "$tools/$name/ready" 2>/dev/null)" != "$packages" ] || continue
     python3 -m venv "$tools/$name"
     # shellcheck disable=SC2086
     "$tools/$name/bin/pip" install --quiet --disable-pip-version-check $packages
-    touch "$tools/$name/ready"
+    echo "$packages" > "$tools/$name/ready"
 done

@@ -1,9 +1,10 @@
 #!/bin/sh
 # Installs what the named jobs need and the system lacks, saying what and why.
-# usage: tools/setup.sh race|test ...
+# usage: tools/setup.sh race|test|fmu|fmu-test ...
 set -eu
 
 missing=""
+windows=""
 need() { # package, why, shell test that succeeds if it is there
     if sh -c "$3" >/dev/null 2>&1; then return; fi
     echo "setup: $1 is missing: $2" >&2
@@ -28,12 +29,34 @@ for job in "$@"; do
         need util-linux "makes those namespaces" "command -v unshare"
         need python3-venv "the official Python package of LCM goes in a venv" "python3 -c 'import ensurepip'"
         ;;
+    fmu)
+        need gcc-mingw-w64-x86-64 "links the Windows libraries of the FMUs" "command -v x86_64-w64-mingw32-gcc"
+        windows=1
+        ;;
+    fmu-test)
+        need python3-venv "the co-simulation tools go in a venv each" "python3 -c 'import ensurepip'"
+        need libxml2-utils "xmllint holds descriptions to the schemas" "command -v xmllint"
+        need libtbb12 "Ecos needs it" "ls /usr/lib/*/libtbb.so.12"
+        need binutils "lists what a library needs" "command -v objdump && command -v strings"
+        need unzip "looks into FMUs" "command -v unzip"
+        need valgrind "leaks and invalid accesses of the libraries" "command -v valgrind"
+        need wine64 "runs the Windows libraries" "command -v wine64 || command -v wine || test -x /usr/lib/wine/wine64"
+        ;;
     *)
-        echo "setup: unknown job '$job' (race, test)" >&2
+        echo "setup: unknown job '$job' (race, test, fmu, fmu-test)" >&2
         exit 2
         ;;
     esac
 done
+
+# The compiler's Windows parts come from rustup, or with the system's toolchain.
+if [ -n "$windows" ] && [ ! -d "$(rustc --print sysroot)/lib/rustlib/x86_64-pc-windows-gnu/lib" ]; then
+    echo "setup: the Rust target x86_64-pc-windows-gnu is missing: it builds the Windows libraries" >&2
+    if ! { command -v rustup >/dev/null 2>&1 && rustup target add x86_64-pc-windows-gnu >&2; }; then
+        echo "setup: rustup could not add it; install it, or build for Linux alone: tools/fmu.sh" >&2
+        exit 1
+    fi
+fi
 
 [ -z "$missing" ] && exit 0
 if ! command -v apt-get >/dev/null 2>&1; then

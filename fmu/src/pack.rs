@@ -1,11 +1,11 @@
 //! The `.fmu` file: model description, libraries, resources, documents in one zip.
 
 use std::fs::File;
-use std::io::{Read, Seek, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
 
 use crate::description::{Description, Version};
 
@@ -27,6 +27,14 @@ pub enum PackError {
         path: PathBuf,
         /// What the zip library said.
         source: zip::result::ZipError,
+    },
+    /// The model description cannot be understood.
+    #[error("{path}: modelDescription.xml: {reason}")]
+    Description {
+        /// The FMU.
+        path: PathBuf,
+        /// What is wrong, and where.
+        reason: String,
     },
     /// No library, or a platform named twice, or one the version has no folder for.
     #[error("{0}")]
@@ -146,67 +154,6 @@ pub fn write_zip(output: &Path, files: &[(String, Vec<u8>)]) -> Result<(), PackE
     }
     zip.finish().map_err(zip_error)?;
     Ok(())
-}
-
-/// What is inside an FMU.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Inspection {
-    /// Attributes of the model description's root element, in order.
-    pub attributes: Vec<(String, String)>,
-    /// Names and sizes [bytes] of all files.
-    pub files: Vec<(String, u64)>,
-    /// The model description.
-    pub model_description: String,
-}
-
-/// Looks into an FMU, ours or anyone's.
-///
-/// # Errors
-/// [`PackError`] if the file cannot be read or holds no model description.
-pub fn inspect(path: &Path) -> Result<Inspection, PackError> {
-    let file_error = |source| PackError::File { path: path.to_owned(), source };
-    let zip_error = |source| PackError::Zip { path: path.to_owned(), source };
-    let mut archive = ZipArchive::new(File::open(path).map_err(file_error)?).map_err(zip_error)?;
-    let model_description = member(&mut archive, "modelDescription.xml").map_err(zip_error)?;
-    let mut files = Vec::new();
-    for i in 0..archive.len() {
-        let file = archive.by_index(i).map_err(zip_error)?;
-        files.push((file.name().to_owned(), file.size()));
-    }
-    Ok(Inspection { attributes: root_attributes(&model_description), files, model_description })
-}
-
-fn member<R: Read + Seek>(
-    archive: &mut ZipArchive<R>,
-    name: &str,
-) -> zip::result::ZipResult<String> {
-    let mut text = String::new();
-    archive.by_name(name)?.read_to_string(&mut text)?;
-    Ok(text)
-}
-
-fn root_attributes(xml: &str) -> Vec<(String, String)> {
-    let Some(start) = xml.find("<fmiModelDescription") else {
-        return Vec::new();
-    };
-    let mut rest = &xml[start + "<fmiModelDescription".len()..];
-    let mut attributes = Vec::new();
-    while let Some(equals) = rest.find('=') {
-        let key = rest[..equals].trim();
-        let value = rest[equals + 1..].trim_start();
-        let Some(quote) = value.chars().next().filter(|c| matches!(c, '"' | '\'')) else {
-            break;
-        };
-        let Some(end) = value[1..].find(quote) else {
-            break;
-        };
-        if key.contains('>') {
-            break;
-        }
-        attributes.push((key.to_owned(), value[1..=end].to_owned()));
-        rest = &value[end + 2..];
-    }
-    attributes
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, PackError> {

@@ -23,6 +23,20 @@ pub struct Libraries {
     pub folder: PathBuf,
 }
 
+impl Libraries {
+    /// The platforms that have a folder in `folder`, named by the compiler's target triple.
+    #[must_use]
+    pub fn below(folder: &Path) -> Vec<Self> {
+        let known = [
+            (Platform::LinuxX64, "x86_64-unknown-linux-gnu"),
+            (Platform::WindowsX64, "x86_64-pc-windows-gnu"),
+            (Platform::LinuxArm64, "aarch64-unknown-linux-gnu"),
+        ];
+        let all = known.map(|(platform, name)| Self { platform, folder: folder.join(name) });
+        all.into_iter().filter(|l| l.folder.is_dir()).collect()
+    }
+}
+
 /// The models that ship, with the names of their files.
 #[must_use]
 pub fn models() -> [(&'static str, &'static Description); 2] {

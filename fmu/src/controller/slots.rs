@@ -20,6 +20,8 @@ pub(crate) struct Slots {
     pub(crate) use_applied: Boolean,
     pub(crate) track: Text,
     pub(crate) car: Text,
+    /// Grip the controller believes in; 0 as the car's.
+    pub(crate) nominal_mu: Real,
     pub(crate) preset: Text,
     pub(crate) config: Text,
     pub(crate) load: Text,
@@ -84,10 +86,23 @@ impl Slots {
         let track =
             text("param.track", TRACK, "Track: a name that ships (l, road_course) or a file");
         let car = text("param.car", CAR, "Nominal car: a name that ships or a file");
-        let preset = text("param.preset", "race", "Preset of all settings: race or paper");
+        let preset = text(
+            "param.preset",
+            "race",
+            "Preset of all settings: race, with what ships for a named car, or paper",
+        );
         let config = text("param.config", "", "Configuration file (TOML); empty: the preset");
         let load = text("param.learned_load", "", "File with learned data to start from");
         let save = text("param.learned_save", "", "File for learned data, written after each lap");
+        let nominal_mu = t.add_real(
+            Variable::real(
+                "param.nominal_mu",
+                Role::Fixed,
+                unit::ONE,
+                "Grip the controller believes in on both axles; 0: the car's own",
+            )
+            .range(0.0, 10.0),
+        );
         let regression_mode = t.add_integer(
             Variable::integer(
                 "param.regression.mode",
@@ -175,6 +190,7 @@ impl Slots {
             use_applied,
             track,
             car,
+            nominal_mu,
             preset,
             config,
             load,

@@ -18,7 +18,10 @@ pub(super) fn failed(e: impl std::fmt::Display) -> Fault {
 fn config(io: &Io<'_>) -> Result<Config, Fault> {
     let (slots, values) = (slots(), &*io.values);
     let mut config = match (values.text(slots.config), values.text(slots.preset)) {
-        ("", "race") => Config::preset(Preset::Race),
+        ("", "race") => match Config::of_car(values.text(slots.car)) {
+            Some(shipped) => Config::from_toml(shipped).map_err(failed)?,
+            None => Config::preset(Preset::Race),
+        },
         ("", "paper") => Config::preset(Preset::Paper),
         ("", other) => {
             return Err(Fault::Failed(format!("param.preset = '{other}'; known: race, paper")));
@@ -39,7 +42,11 @@ fn config(io: &Io<'_>) -> Result<Config, Fault> {
 pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     let slots = slots();
     let mut config = config(io)?;
-    let car = files::car(io, io.values.text(slots.car))?;
+    let mut car = files::car(io, io.values.text(slots.car))?;
+    let mu = io.values.real(slots.nominal_mu);
+    if mu > 0.0 {
+        car = car.with_mu(mu);
+    }
     let track = files::track(io, io.values.text(slots.track))?;
     let mut identity = postcard::to_allocvec(&config).map_err(failed)?;
     identity.extend(car.fingerprint().to_le_bytes());

@@ -1,5 +1,6 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
+mod fmu;
 mod network;
 mod race;
 mod study;
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use network::{NetworkArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
@@ -49,6 +51,8 @@ pub enum Command {
     Vehicle(VehicleArgs),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
+    /// Pack FMUs, or look into one
+    Fmu(FmuArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
 }

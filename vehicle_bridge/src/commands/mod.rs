@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod check;
+mod fmu;
 mod network;
 mod race;
 mod race_table;
@@ -49,6 +50,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
         Command::Check(args) => check::run(&args),
+        Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.
             let mut script = Vec::new();

@@ -1,0 +1,1 @@
+//! Tests alone: the FMUs of `make fmu` in the `fmi` crate.
