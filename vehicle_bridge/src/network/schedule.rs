@@ -23,12 +23,6 @@ impl Schedule {
         Self { period_ns, offset_ns: None, due_ns: 0, seen_ns: i64::MIN, arrival_ns: 0 }
     }
 
-    /// Whether there was a measurement.
-    #[must_use]
-    pub fn begun(&self) -> bool {
-        self.offset_ns.is_some()
-    }
-
     /// A source started (again), with a clock of its own: the controller's time goes on by what
     /// passed between the arrivals.
     pub fn restart(&mut self, measured_ns: i64, arrival_ns: i64) {
