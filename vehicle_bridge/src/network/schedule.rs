@@ -35,10 +35,16 @@ impl Schedule {
         self.seen_ns = now - self.period_ns;
     }
 
+    /// The controller's time of a measurement; `None` before the first.
+    #[must_use]
+    pub fn time(&self, measured_ns: i64) -> Option<i64> {
+        self.offset_ns.map(|offset| measured_ns + offset)
+    }
+
     /// The controller's time of a measurement that is to be answered; `None` if the next one will
     /// be nearer to when an answer is due.
     pub fn due(&mut self, measured_ns: i64, arrival_ns: i64) -> Option<i64> {
-        let time = measured_ns + self.offset_ns?;
+        let time = self.time(measured_ns)?;
         let interval = time - self.seen_ns;
         (self.seen_ns, self.arrival_ns) = (time, arrival_ns);
         let early = self.due_ns - time;
