@@ -9,12 +9,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-<<<<<<< HEAD
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-pub use network::{NetworkArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
-=======
 pub use network::{NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
->>>>>>> serve
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
