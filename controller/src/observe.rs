@@ -131,7 +131,7 @@ impl Observer<'_> {
         let (before, now) = (&last.state, state);
         let turned = (now.omega_z - before.omega_z).abs() * self.jump_floor;
         let pushed = (now.v_x - before.v_x).hypot(now.v_y - before.v_y);
-        if pushed.max(turned) > HARDEST * dt {
+        if pushed.max(turned) > HARDEST * dt.max(self.config.horizon.period) {
             return true;
         }
         let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));

@@ -5,8 +5,10 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use common::{MULTICAST, URL, isolated};
-use controller::{Action, Config};
+use controller::{Action, Config, Controller};
+use lcm_types::eventlog::Writer;
 use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
+use vehicle_bridge::network::replay::replay;
 use vehicle_bridge::race::{Race, RaceOptions, change_plant};
 use vehicle_bridge::transport::{self, Filter, Inbox};
 use vehicle_model::{CarParams, Track};
@@ -38,8 +40,8 @@ impl Drop for Program {
     }
 }
 
-/// The same race in one process.
-fn race() -> Race {
+/// What the two processes are given.
+fn options() -> RaceOptions {
     let car = CarParams::builtin("barc").unwrap();
     let shipped = Config::of_car("barc").unwrap_or_default();
     let mut config = Config::from_toml(shipped).unwrap();
@@ -51,7 +53,12 @@ fn race() -> Race {
     change_plant(&mut options.plant, &PLANT.split(',').map(str::to_owned).collect::<Vec<_>>())
         .unwrap();
     options.seed = SEED;
-    let mut race = Race::new(options).unwrap();
+    options
+}
+
+/// The same race in one process.
+fn race() -> Race {
+    let mut race = Race::new(options()).unwrap();
     for _ in 0..STEPS {
         race.step();
     }
@@ -81,10 +88,16 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         let race = race();
         let learned = race.steps.iter().filter(|row| row.status.action == Action::Learned).count();
         assert!(learned >= 150, "{learned} learned steps");
+        let mut log = Writer::new(Vec::new());
+        let mut keep = |received: &transport::Received| {
+            log.write(0, &received.channel, &received.payload).unwrap();
+        };
         let states: Vec<VehicleState> = std::iter::from_fn(|| states.take())
+            .inspect(&mut keep)
             .map(|received| VehicleState::open(&received.payload).unwrap())
             .collect();
         let commands: Vec<ActuationCommand> = std::iter::from_fn(|| commands.take())
+            .inspect(&mut keep)
             .map(|received| ActuationCommand::open(&received.payload).unwrap())
             .collect();
         for (n, row) in race.steps.iter().enumerate() {
@@ -107,5 +120,18 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
             }
             assert_eq!(state.quality, 2);
         }
+
+        // The log gives the commands again; to another seed's noise it does not.
+        let log = log.into_inner();
+        let again = |seed: u64| {
+            let RaceOptions { mut config, nominal, track, .. } = options();
+            config.warm_up.seed = seed;
+            let mut controller = Controller::new(config, nominal, track).unwrap();
+            replay(&log[..], &mut controller).unwrap()
+        };
+        let found = again(SEED);
+        assert!(found.is_identical() && found.commands == STEPS as u64, "{found:?}");
+        let found = again(SEED + 1);
+        assert!(!found.is_identical() && found.first_difference == Some(0), "{found:?}");
     });
 }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-pub use network::{NetworkArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
+pub use network::{NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
@@ -49,6 +49,10 @@ pub enum Command {
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network
     Vehicle(VehicleArgs),
+    /// Write everything said on an LCM network to a log
+    Record(RecordArgs),
+    /// Drive a log's states again and compare the commands
+    Replay(Box<ReplayArgs>),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
     /// Pack FMUs, or look into one

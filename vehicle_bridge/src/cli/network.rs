@@ -119,3 +119,41 @@ pub struct SimArgs {
     #[arg(long)]
     pub realtime: bool,
 }
+
+const REPLAY_EXAMPLES: &str = "\
+Examples:
+  lmpc replay drive.log
+  lmpc replay drive.log --load l.lmpc        a drive that began with learned data
+
+Car, track, configuration and seed must be those of the drive. Exit code 1 if a command comes
+out otherwise. A drive under an operator's speed cap does not come out again.";
+
+/// Options of `lmpc record`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  lmpc record drive.log                      until Ctrl-C")]
+pub struct RecordArgs {
+    /// Log to write; it must not be there yet
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+}
+
+/// Options of `lmpc replay`.
+#[derive(Debug, Args)]
+#[command(after_help = REPLAY_EXAMPLES)]
+pub struct ReplayArgs {
+    /// Log of `lmpc record` or lcm-logger
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// What drove, where, and what it was told.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// Seed of the noise in the warm-up laps
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+    /// Learned data the drive began with
+    #[arg(long, value_name = "FILE")]
+    pub load: Option<PathBuf>,
+}

@@ -49,6 +49,8 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Study(args) => study::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
+        Command::Record(args) => network::record(&args, talk),
+        Command::Replay(args) => network::replay(&args),
         Command::Check(args) => check::run(&args),
         Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {

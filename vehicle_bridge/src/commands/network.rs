@@ -1,5 +1,7 @@
-//! `lmpc serve` and `lmpc vehicle`.
+//! `lmpc serve`, `lmpc vehicle`, `lmpc record` and `lmpc replay`.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -9,14 +11,14 @@ use controller::Controller;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::{Outcome, setup};
-use crate::cli::{ServeArgs, SimArgs};
+use crate::cli::{RecordArgs, ReplayArgs, ServeArgs, SimArgs};
 use crate::console::{Talk, WARN, paint, result};
 use crate::network::car::{Car, CarOptions, Drive};
-use crate::network::realtime;
 use crate::network::service::{Service, ServiceOptions};
 use crate::network::store::Store;
-use crate::race::FailureRule;
+use crate::network::{realtime, record, replay};
 use crate::race::words::kind_word;
+use crate::race::{FailureRule, learned};
 use crate::transport::{self, ThreadStart, Transport};
 
 /// A command may be used this many periods: one lost command does not stop the car.
@@ -104,6 +106,46 @@ pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
         (false, 0) => Outcome::Done,
         _ => Outcome::Degraded,
     })
+}
+
+/// Records until Ctrl-C.
+pub(super) fn record(args: &RecordArgs, talk: Talk) -> Result<Outcome> {
+    let (network, notes) = connect(&args.network.url(), false)?;
+    for note in notes {
+        talk.say(&paint(WARN, &format!("warning: {note}")));
+    }
+    let stop = on_signal()?;
+    talk.say("recording; Ctrl-C ends");
+    let totals = record::record(&network, &args.log, &stop)?;
+    talk.say(&format!("{} messages written, {} dropped", totals.written, totals.dropped));
+    Ok(if totals.dropped == 0 { Outcome::Done } else { Outcome::Degraded })
+}
+
+/// Replays a log.
+pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
+    let options = setup::race(&args.controller, 0)?;
+    let mut config = options.config;
+    config.warm_up.seed = args.seed;
+    let mut controller = Controller::new(config, options.nominal, options.track)?;
+    if let Some(path) = &args.load {
+        learned::load(path, &mut controller)?;
+    }
+    let log =
+        File::open(&args.log).with_context(|| format!("cannot read {}", args.log.display()))?;
+    let found = replay::replay(BufReader::new(log), &mut controller)?;
+    result(&format!("{} of {} commands identical", found.identical, found.commands))?;
+    if let Some(seq) = found.first_difference {
+        result(&format!("the first that differs is number {seq}"))?;
+    }
+    for (count, what) in [
+        (found.without_state, "commands answer states that are not in the log"),
+        (found.unreadable, "messages could not be read"),
+    ] {
+        if count > 0 {
+            result(&format!("{count} {what}"))?;
+        }
+    }
+    Ok(if found.is_identical() { Outcome::Done } else { Outcome::Problems })
 }
 
 fn account(drive: &Drive, talk: Talk) {

@@ -11,6 +11,8 @@ pub mod operator;
 pub mod outlet;
 pub mod pulse;
 pub mod realtime;
+pub mod record;
+pub mod replay;
 pub mod schedule;
 pub mod service;
 pub mod store;

@@ -23,12 +23,6 @@ impl Schedule {
         Self { period_ns, offset_ns: None, due_ns: 0, seen_ns: i64::MIN, arrival_ns: 0 }
     }
 
-    /// Whether there was a measurement.
-    #[must_use]
-    pub fn begun(&self) -> bool {
-        self.offset_ns.is_some()
-    }
-
     /// A source started (again), with a clock of its own: the controller's time goes on by what
     /// passed between the arrivals.
     pub fn restart(&mut self, measured_ns: i64, arrival_ns: i64) {
@@ -41,10 +35,16 @@ impl Schedule {
         self.seen_ns = now - self.period_ns;
     }
 
+    /// The controller's time of a measurement; `None` before the first.
+    #[must_use]
+    pub fn time(&self, measured_ns: i64) -> Option<i64> {
+        self.offset_ns.map(|offset| measured_ns + offset)
+    }
+
     /// The controller's time of a measurement that is to be answered; `None` if the next one will
     /// be nearer to when an answer is due.
     pub fn due(&mut self, measured_ns: i64, arrival_ns: i64) -> Option<i64> {
-        let time = measured_ns + self.offset_ns?;
+        let time = self.time(measured_ns)?;
         let interval = time - self.seen_ns;
         (self.seen_ns, self.arrival_ns) = (time, arrival_ns);
         let early = self.due_ns - time;

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use controller::{Command, Controller, Reason};
-use lcm_types::{ActuationCommand, OperatorAck, OperatorCommand, VehicleState, channels};
+use lcm_types::{
+    ActuationCommand, Checked as _, OperatorAck, OperatorCommand, VehicleState, channels,
+};
 use vehicle_model::Input;
 
 use super::convert::{self, Answered, Order};
@@ -74,6 +76,8 @@ struct Last {
     arrival_ns: i64,
     /// The input was cut after the controller gave it.
     cut: bool,
+    /// The controller answered this state.
+    stepped: bool,
 }
 
 impl Service {
@@ -178,15 +182,16 @@ impl Service {
     fn remember(&mut self, state: &VehicleState, arrival_ns: i64) {
         let input = self.last.map(|last| last.input).unwrap_or_default();
         let (answered, speed) = (Answered::of(state), state.vx);
-        self.last = Some(Last { answered, input, speed, arrival_ns, cut: true });
+        self.last = Some(Last { answered, input, speed, arrival_ns, cut: true, stepped: false });
     }
 
     fn drive(&mut self, state: &VehicleState, arrival_ns: i64, on_lap: OnLap<'_>) {
         let answered = Answered::of(state);
         if self.last.is_some_and(|last| {
-            last.answered.boot_id == answered.boot_id && last.answered.mono_ns == answered.mono_ns
-        }) && self.schedule.begun()
-        {
+            last.stepped
+                && last.answered.boot_id == answered.boot_id
+                && last.answered.mono_ns == answered.mono_ns
+        }) {
             // The same measurement again: the car has not heard the answer.
             self.command(answered, ActuationCommand::MODE_DRIVE);
             return;
@@ -202,7 +207,7 @@ impl Service {
         let time = stopwatch.stop();
         let input = self.capped(command.input, state.vx);
         let cut = input != command.input;
-        self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut });
+        self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
         self.command(answered, ActuationCommand::MODE_DRIVE);
         let total = (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
         self.overruns += i32::from(total > period);
@@ -288,7 +293,14 @@ impl Service {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
         let checked =
             self.order_guard.check(&received.payload, times, |o: &OperatorCommand| &o.h, |_| true);
-        let Ok(Accepted { message: order, .. }) = checked else { return };
+        let order = match checked {
+            Ok(Accepted { message, .. }) => message,
+            // An emergency stop counts whoever sends it, and however often.
+            Err(_) => match OperatorCommand::open(&received.payload) {
+                Ok(order) if order.command == OperatorCommand::ESTOP => order,
+                _ => return,
+            },
+        };
         let answer = self.authority.obey(&order, self.last.map(|last| last.speed));
         let ack = OperatorAck {
             h: self.acks.header(),

@@ -25,15 +25,15 @@ impl Store {
     /// # Errors
     /// If there are data, none of which may be loaded, or the thread cannot be started.
     pub fn open(path: &Path, controller: &mut Controller, warn: impl Fn(&str)) -> Result<Self> {
-        if path.exists() {
-            if let Err(error) = learned::load(path, controller) {
-                let before = learned::backup(path);
-                if !before.exists() {
-                    return Err(error);
-                }
-                warn(&format!("{error:#}"));
-                learned::load(&before, controller)?;
+        if path.exists()
+            && let Err(error) = learned::load(path, controller)
+        {
+            let before = learned::backup(path);
+            if !before.exists() {
+                return Err(error);
             }
+            warn(&format!("{error:#}"));
+            learned::load(&before, controller)?;
         }
         let (queue, saves) = channel();
         let (tell, errors) = channel();
