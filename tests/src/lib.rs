@@ -8,13 +8,13 @@ use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
 
-/// The folder of the reference numbers: `LMPC_REFERENCE_DIR`, by default `tests/data/reference`.
+/// The folder of the reference numbers: `LMPC_REFERENCE_DIR`, by default `tests/data/reference`;
+/// a relative one counts from the workspace.
 #[must_use]
 pub fn reference_dir() -> PathBuf {
-    std::env::var_os("LMPC_REFERENCE_DIR").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/reference"),
-        PathBuf::from,
-    )
+    let named = std::env::var_os("LMPC_REFERENCE_DIR");
+    let named = named.map_or_else(|| PathBuf::from("tests/data/reference"), PathBuf::from);
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(named)
 }
 
 /// Text of a reference file.

@@ -97,10 +97,10 @@ struct TrackFile {
 }
 
 fn read<T: serde::de::DeserializeOwned>(name: &str) -> T {
-    let folder = std::env::var_os("LMPC_REFERENCE_DIR").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data/reference"),
-        PathBuf::from,
-    );
+    // A relative folder counts from the workspace, wherever the test is started.
+    let named = std::env::var_os("LMPC_REFERENCE_DIR");
+    let named = named.map_or_else(|| PathBuf::from("tests/data/reference"), PathBuf::from);
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(named);
     serde_json::from_str(&std::fs::read_to_string(folder.join(name)).unwrap()).unwrap()
 }
 

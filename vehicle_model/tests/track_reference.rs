@@ -10,10 +10,10 @@ use vehicle_model::{GlobalState, State, Track};
 const TOLERANCE: f64 = 1e-9;
 
 fn read(name: &str) -> String {
-    let dir = std::env::var_os("LMPC_REFERENCE_DIR").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data/reference"),
-        PathBuf::from,
-    );
+    // A relative folder counts from the workspace, wherever the test is started.
+    let named = std::env::var_os("LMPC_REFERENCE_DIR");
+    let named = named.map_or_else(|| PathBuf::from("tests/data/reference"), PathBuf::from);
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(named);
     std::fs::read_to_string(dir.join(name)).unwrap()
 }
 
