@@ -154,7 +154,10 @@ impl Workspace {
 
     /// Optimal cost of the last solution.
     pub(crate) fn cost(&self) -> (f64, f64) {
-        (self.problem.cost(&self.solution), self.problem.terminal_cost(&self.solution))
+        (
+            self.problem.cost_with(&self.solution, &self.slacks),
+            self.problem.terminal_cost(&self.solution),
+        )
     }
 
     /// Nominal and error model at one point.

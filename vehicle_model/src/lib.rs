@@ -8,6 +8,7 @@
 
 pub mod discretized;
 pub mod error;
+mod fingerprint;
 pub mod model;
 pub mod params;
 pub mod plant;

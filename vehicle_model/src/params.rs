@@ -9,6 +9,8 @@ mod file;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fingerprint::Fnv1a;
+
 pub use check::ParamProblem;
 
 /// Standard gravity, as the reference numbers use it [m/s^2].
@@ -155,7 +157,7 @@ impl CarParams {
         for switch in [self.front_force_yaw, self.combined_slip] {
             hash.write(u64::from(switch));
         }
-        hash.0
+        hash.finish()
     }
 
     /// Every number of the car in a fixed order; an absent limit counts as infinite.
@@ -198,20 +200,5 @@ impl CarParams {
             self.blend_speed_low,
             self.blend_speed_high,
         ]
-    }
-}
-
-/// FNV-1a, 64 bit, fed with words.
-struct Fnv1a(u64);
-
-impl Fnv1a {
-    const fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn write(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
     }
 }

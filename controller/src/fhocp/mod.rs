@@ -171,7 +171,12 @@ impl Fhocp {
     /// The optimal value's formula, evaluated at a trajectory: slacks as small as it allows.
     #[must_use]
     pub fn cost(&self, solution: &Solution) -> f64 {
-        let slacks = Slacks::of(self, solution);
+        self.cost_with(solution, &Slacks::of(self, solution))
+    }
+
+    /// [`Fhocp::cost`] of a trajectory whose slacks are known.
+    #[must_use]
+    pub fn cost_with(&self, solution: &Solution, slacks: &Slacks) -> f64 {
         let mut u_before = self.u_prev;
         let mut cost = 0.0;
         for u in &solution.u {

@@ -2,7 +2,7 @@
 
 use super::definition::{Cell, Definition};
 use super::ledger::{RunRow, StudyLap};
-use super::table::{CellSummary, belongs, cells_of};
+use super::table::{CellSummary, HEAD, belongs, cells_of};
 use crate::page::scale::Kind;
 use crate::page::{Chart, Mark, Series, card, page as html_page, table};
 use crate::race::record::{mean, median};
@@ -15,21 +15,8 @@ pub fn page(
     runs: &[RunRow],
     laps: &[StudyLap],
 ) -> String {
-    let head = [
-        "regression",
-        "rate cost",
-        "h",
-        "runs",
-        "failed",
-        "in lap",
-        "lap 20 [s]",
-        "range [s]",
-        "best [s]",
-        "fell back",
-        "paper",
-    ];
     let rows: Vec<Vec<String>> = summaries.iter().map(cells_of).collect();
-    let mut body = card("Beside the paper", "", &table(&head, &rows));
+    let mut body = card("Beside the paper", "", &table(&HEAD, &rows));
     body.push_str("<div class=\"columns\">\n");
     for regression in &study.regressions {
         let own: Vec<&CellSummary> =

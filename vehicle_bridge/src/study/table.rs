@@ -81,24 +81,27 @@ fn paper_text(paper: &Paper) -> String {
     parts.join(", ")
 }
 
+/// Head of the table, on the terminal and on the page.
+pub(super) const HEAD: [&str; 11] = [
+    "regression",
+    "rate cost",
+    "h",
+    "runs",
+    "failed",
+    "in lap",
+    "lap 20 [s]",
+    "range [s]",
+    "best [s]",
+    "fell back",
+    "paper",
+];
+
 /// The table for the terminal.
 #[must_use]
 pub fn text_table(summaries: &[CellSummary]) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_header([
-        "regression",
-        "rate cost",
-        "h",
-        "runs",
-        "failed",
-        "in lap",
-        "lap 20 [s]",
-        "range [s]",
-        "best [s]",
-        "fell back",
-        "paper",
-    ]);
+    table.set_header(HEAD);
     for row in summaries.iter().map(cells_of) {
         let cells = row.into_iter().enumerate().map(|(i, text)| {
             let side = if i == 0 || i == 10 { CellAlignment::Left } else { CellAlignment::Right };

@@ -19,7 +19,6 @@ mod arc;
 mod builtin;
 mod crossing;
 mod error;
-mod fingerprint;
 mod frenet;
 mod import;
 mod path;

@@ -9,12 +9,12 @@
 //! a survey noisier than that is better smoothed by those who know its noise.
 
 use super::error::{Place, TrackError};
-use super::fingerprint::Fnv1a;
 use super::frenet::wrap_angle;
 use super::path::Path;
 use super::spline::Spline;
 use super::widths::{Span, Widths, too_tight};
 use super::{Track, crossing};
+use crate::fingerprint::Fnv1a;
 
 /// Largest deviation of |r'(s)| from 1.
 const SPEED_TOLERANCE: f64 = 1e-6;

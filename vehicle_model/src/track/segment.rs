@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use super::arc::Arc;
 use super::error::{Place, TrackError};
-use super::fingerprint::Fnv1a;
 use super::frenet::wrap_angle;
 use super::path::Path;
 use super::widths::{Span, Widths, too_tight};
 use super::{Track, crossing};
+use crate::fingerprint::Fnv1a;
 
 /// Largest distance [m] and angle [rad] by which a track of segments may miss its start.
 const CLOSURE: f64 = 1e-6;
