@@ -16,3 +16,4 @@ pub mod report;
 pub mod settings;
 pub mod study;
 pub mod transport;
+pub mod vehicle;

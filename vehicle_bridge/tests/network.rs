@@ -60,7 +60,7 @@ fn options() -> RaceOptions {
 fn race() -> Race {
     let mut race = Race::new(options()).unwrap();
     for _ in 0..STEPS {
-        race.step();
+        race.step().unwrap();
     }
     race
 }

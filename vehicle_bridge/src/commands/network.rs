@@ -93,12 +93,13 @@ pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
     };
     let stop = on_signal()?;
     let mut closed = Ok(());
-    let drive = Car::new(car, plant, rule, &network)?.run(&stop, &mut |lap, time, clean| {
-        let off = if clean { "" } else { "  off the track" };
-        if closed.is_ok() {
-            closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
-        }
-    })?;
+    let drive =
+        Car::new(car, Box::new(plant), rule, &network)?.run(&stop, &mut |lap, time, clean| {
+            let off = if clean { "" } else { "  off the track" };
+            if closed.is_ok() {
+                closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
+            }
+        })?;
     closed?;
     account(&drive, talk);
     Ok(match (drive.deserted, drive.off_track + drive.stopped) {

@@ -69,7 +69,7 @@ fn drive(race: &mut Race, json: bool, talk: Talk) -> Result<()> {
         if closed.is_ok() {
             closed = print(&table.line(lap));
         }
-    });
+    })?;
     Ok(closed?)
 }
 

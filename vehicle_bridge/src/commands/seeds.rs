@@ -39,7 +39,7 @@ pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -
         options.seed = seed;
         options.config.warm_up.seed = seed;
         let mut race = Race::new(options.clone())?;
-        race.run(|_| {});
+        race.run(|_| {})?;
         let folder = args.out.join(format!("seed-{seed}"));
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use lcm_types::{ActuationCommand, ActuationReport, VehicleState, channels};
-use vehicle_model::{Input, Plant, State};
+use vehicle_model::{Input, State};
 
 use super::convert;
 use super::guard::{Accepted, Guard};
@@ -14,6 +14,7 @@ use super::outlet::{Identity, Outlet};
 use crate::race::FailureRule;
 use crate::race::record::FailureReason;
 use crate::transport::{self, Filter, Inbox, Received, Transport};
+use crate::vehicle::Vehicle;
 
 /// How often the state is said again while nobody answers it.
 const REPEAT: Duration = Duration::from_millis(200);
@@ -62,7 +63,7 @@ pub struct Drive {
 /// The car.
 pub struct Car {
     options: CarOptions,
-    plant: Plant,
+    vehicle: Box<dyn Vehicle>,
     commands: Inbox,
     guard: Guard,
     states: Outlet,
@@ -79,13 +80,13 @@ pub struct Car {
 }
 
 impl Car {
-    /// A plant that stands where it was built, on a network.
+    /// A vehicle as it stands, on a network.
     ///
     /// # Errors
     /// If the network refuses the subscription.
     pub fn new(
         options: CarOptions,
-        plant: Plant,
+        vehicle: Box<dyn Vehicle>,
         rule: FailureRule,
         network: &Arc<dyn Transport>,
     ) -> Result<Self> {
@@ -105,7 +106,7 @@ impl Car {
             lap_clean: true,
             drive: Drive::default(),
             options,
-            plant,
+            vehicle,
             commands,
             rule,
         })
@@ -114,7 +115,7 @@ impl Car {
     /// Drives until the steps or laps are done or `stop` is set; `on_lap` sees each lap.
     ///
     /// # Errors
-    /// If the network refuses a message.
+    /// If the network refuses a message, or the vehicle fails.
     pub fn run(
         &mut self,
         stop: &AtomicBool,
@@ -126,8 +127,8 @@ impl Car {
             // Counted, not summed: a thousand additions of 0.1 miss.
             let time = self.drive.steps as f64 * self.options.period;
             let meas_ns = base_ns + convert::nanoseconds(time);
-            let measured = self.plant.measure();
-            let before = (self.plant.progress(), self.plant.lap());
+            let measured = self.vehicle.measure();
+            let before = (self.vehicle.progress(), self.vehicle.lap());
             if self.options.lock_step {
                 if !self.step_answered(&measured, meas_ns, stop)? {
                     break;
@@ -152,10 +153,10 @@ impl Car {
     fn say(&mut self, x: &State, meas_ns: i64) -> Result<i64> {
         let h = self.states.header();
         let seq = h.seq;
-        let lap = i32::try_from(self.plant.lap()).unwrap_or(0);
-        let track = Arc::clone(self.plant.track());
+        let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
+        let track = Arc::clone(self.vehicle.track());
         let state: VehicleState =
-            convert::state_message(h, meas_ns, x, self.plant.applied(), &track, lap);
+            convert::state_message(h, meas_ns, x, self.vehicle.applied(), &track, lap);
         self.states.send_sealed(&state)?;
         Ok(seq)
     }
@@ -177,7 +178,7 @@ impl Car {
                     self.command = Some((command, Instant::now()));
                     let input = input.unwrap_or_else(|| self.safe_stop());
                     self.steer = input.delta;
-                    self.plant.apply(input, self.options.period);
+                    self.vehicle.apply(input, self.options.period)?;
                     return Ok(true);
                 }
             } else {
@@ -213,7 +214,7 @@ impl Car {
             let input = self.input(done);
             self.steer = input.delta;
             worst = worst.max(self.source);
-            self.plant.apply(input, length);
+            self.vehicle.apply(input, length)?;
             (done, left) = (now, if now >= end { 0.0 } else { left - length });
             if let Some(received) = received {
                 if let Some(command) = self.check(&received) {
@@ -253,12 +254,12 @@ impl Car {
 
     /// Full braking with the wheels as they are.
     fn safe_stop(&self) -> Input {
-        Input { a: self.plant.params().car.a_min, delta: self.steer }
+        Input { a: self.vehicle.car().a_min, delta: self.steer }
     }
 
     fn check(&mut self, received: &Received) -> Option<ActuationCommand> {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
-        let car = &self.plant.params().car;
+        let car = self.vehicle.car();
         let sane = |c: &ActuationCommand| {
             (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)
                 && c.steer.abs() <= car.delta_max + 1e-6
@@ -268,16 +269,16 @@ impl Car {
     }
 
     fn judge(&mut self, time: f64, before: (f64, i64), on_lap: &mut dyn FnMut(usize, f64, bool)) {
-        let truth = self.plant.truth();
-        let broken = self.rule.broken(self.plant.track(), &truth, 0.0);
+        let truth = self.vehicle.truth();
+        let broken = self.rule.broken(self.vehicle.track(), &truth, 0.0);
         if matches!(broken, Some(FailureReason::OffTrack | FailureReason::WrongWay)) {
             self.drive.off_track += 1;
             self.lap_clean = false;
         }
         let (progress, lap) = before;
-        if self.plant.lap() > lap {
-            let line = (lap + 1) as f64 * self.plant.track().length();
-            let share = (line - progress) / (self.plant.progress() - progress);
+        if self.vehicle.lap() > lap {
+            let line = (lap + 1) as f64 * self.vehicle.track().length();
+            let share = (line - progress) / (self.vehicle.progress() - progress);
             let crossed = time + share * self.options.period;
             let lap_time = crossed - self.lap_start;
             self.drive.laps.push((lap_time, self.lap_clean));
@@ -288,7 +289,7 @@ impl Car {
 
     fn report(&mut self) -> Result<()> {
         let h = self.reports.header();
-        let applied = self.plant.applied();
+        let applied = self.vehicle.applied();
         let (cmd_boot_id, cmd_seq) =
             self.command.as_ref().map(|(c, _)| (c.h.boot_id, c.h.seq)).unwrap_or_default();
         let enabled = matches!(self.source, SOURCE_COMMAND | SOURCE_PLAN);

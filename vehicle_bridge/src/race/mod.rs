@@ -1,6 +1,6 @@
 //! The offline host: a simulated car and its controller in one process, faster than real time.
 //!
-//! Plant -> Measurement -> Controller::step -> Plant, once each period.
+//! Vehicle -> Measurement -> Controller::step -> Vehicle, once each period.
 
 pub mod files;
 pub mod learned;
@@ -24,6 +24,7 @@ use vehicle_model::{
 pub use plant::change_plant;
 pub use rule::FailureRule;
 
+use crate::vehicle::{Vehicle, VehicleError};
 use record::{Failure, LapRow, ModelError, StepRow};
 use timing::{StepTime, Stopwatch};
 
@@ -36,7 +37,7 @@ pub enum ModelErrorAt {
     Plan,
 }
 
-/// Why a race cannot begin.
+/// Why a race cannot begin, or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum RaceError {
     /// The controller refuses its configuration.
@@ -45,6 +46,9 @@ pub enum RaceError {
     /// The simulated car cannot be built.
     #[error("the simulated car: {0}")]
     Plant(#[from] PlantError),
+    /// What computes the vehicle fails under way.
+    #[error(transparent)]
+    Vehicle(#[from] VehicleError),
 }
 
 /// Everything a race is made of.
@@ -87,8 +91,9 @@ pub struct Race {
     options: RaceOptions,
     rule: FailureRule,
     controller: Controller,
-    plant: Plant,
-    exact: Discretized,
+    vehicle: Box<dyn Vehicle>,
+    /// What the learned model is compared with; none where the vehicle's inside is unknown.
+    exact: Option<Discretized>,
     time: f64,
     lap_start: f64,
     learning: bool,
@@ -106,24 +111,34 @@ pub struct Race {
 }
 
 impl Race {
-    /// A car on the line, centred, at warm-up speed.
+    /// The simulated car of the options on the line, centred, at warm-up speed.
     ///
     /// # Errors
     /// If configuration, car and track do not fit together.
     pub fn new(options: RaceOptions) -> Result<Self, RaceError> {
-        let RaceOptions { config, nominal, track, .. } = &options;
         let plant = PlantParams { seed: options.seed, ..options.plant.clone() };
-        let controller = Controller::new(config.clone(), nominal.clone(), Arc::clone(track))?;
-        let start = State { v_x: config.warm_up.speed, ..State::default() };
+        let start = State { v_x: options.config.warm_up.speed, ..State::default() };
         let model = Model::new(ModelKind::Dynamic, plant.car.clone());
+        let horizon = &options.config.horizon;
+        let exact = Discretized { model, dt: horizon.period, substeps: horizon.substeps };
+        let plant = Plant::new(plant, Arc::clone(&options.track), start)?;
+        Ok(Self { exact: Some(exact), ..Self::with_vehicle(options, Box::new(plant))? })
+    }
+
+    /// Any vehicle, as it stands; the simulated car of the options is not used.
+    ///
+    /// # Errors
+    /// If configuration, car and track do not fit together.
+    pub fn with_vehicle(
+        options: RaceOptions,
+        vehicle: Box<dyn Vehicle>,
+    ) -> Result<Self, RaceError> {
+        let RaceOptions { config, nominal, track, .. } = &options;
+        let controller = Controller::new(config.clone(), nominal.clone(), Arc::clone(track))?;
         Ok(Self {
             rule: FailureRule::new(config, track),
-            exact: Discretized {
-                model,
-                dt: config.horizon.period,
-                substeps: config.horizon.substeps,
-            },
-            plant: Plant::new(plant, Arc::clone(track), start)?,
+            exact: None,
+            vehicle,
             controller,
             time: 0.0,
             lap_start: 0.0,
@@ -150,21 +165,28 @@ impl Race {
     }
 
     /// Drives until the laps are done or the car fails; `on_lap` sees each lap as it ends.
-    pub fn run(&mut self, mut on_lap: impl FnMut(&LapRow)) {
+    ///
+    /// # Errors
+    /// If what computes the vehicle fails.
+    pub fn run(&mut self, mut on_lap: impl FnMut(&LapRow)) -> Result<(), VehicleError> {
         while self.failure.is_none() && self.learned_laps < self.options.laps {
             let before = self.laps.len();
-            self.step();
+            self.step()?;
             if let Some(lap) = self.laps.get(before) {
                 on_lap(lap);
             }
         }
+        Ok(())
     }
 
     /// One period: measure, step, apply.
-    pub fn step(&mut self) {
+    ///
+    /// # Errors
+    /// If what computes the vehicle fails.
+    pub fn step(&mut self) -> Result<(), VehicleError> {
         let measurement = Measurement {
             time: self.time,
-            pose: Pose::Frenet(self.plant.measure()),
+            pose: Pose::Frenet(self.vehicle.measure()),
             applied: None,
         };
         let mut stopwatch = Stopwatch::start();
@@ -176,10 +198,11 @@ impl Race {
         self.steps.push(row);
 
         let period = self.options.config.horizon.period;
-        self.plant.apply(command.input, period);
+        self.vehicle.apply(command.input, period)?;
         // Counted, not summed: a thousand additions of 0.1 miss.
         self.time = self.steps.len() as f64 * period;
         self.judge();
+        Ok(())
     }
 
     /// The lap in which the car failed, summed up as far as it went; its lap time is no number.
@@ -211,9 +234,9 @@ impl Race {
     }
 
     fn row(&self, u: Input, status: Status) -> StepRow {
-        let x = self.plant.truth();
-        let car = &self.options.plant.car;
-        let slip = SlipAngles::new(&x, &self.plant.applied(), car);
+        let x = self.vehicle.truth();
+        let car = self.vehicle.car();
+        let slip = SlipAngles::new(&x, &self.vehicle.applied(), car);
         let share =
             |tyre: &vehicle_model::Tyre, alpha: f64| (tyre.c * (tyre.b * alpha.abs()).atan()).sin();
         StepRow {
@@ -232,12 +255,12 @@ impl Race {
 
     /// |A_learned - A_plant| with the same discretisation, at the same points.
     fn model_error(&self, x: &State, u: &Input, status: &Status) -> ModelError {
-        if status.action != Action::Learned {
+        let Some(plant) = self.exact.as_ref().filter(|_| status.action == Action::Learned) else {
             return ModelError::NONE;
-        }
+        };
         let at = |x: &State, u: &Input| {
             let learned = self.controller.learned_model(x, u).sum().a;
-            let exact = self.exact.linearize(x, u, |s| self.options.track.kappa(s)).a;
+            let exact = plant.linearize(x, u, |s| self.options.track.kappa(s)).a;
             (learned - exact).norm()
         };
         match self.options.model_error {
@@ -250,7 +273,7 @@ impl Race {
     }
 
     fn judge(&mut self) {
-        let x = self.plant.truth();
+        let x = self.vehicle.truth();
         let broken = self.rule.broken(&self.options.track, &x, self.time - self.lap_start);
         self.failure = broken.map(|reason| Failure {
             reason,

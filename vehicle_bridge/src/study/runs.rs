@@ -111,10 +111,10 @@ fn fingerprint(options: &RaceOptions) -> String {
 /// Drives one run.
 ///
 /// # Errors
-/// If the settings do not fit together.
+/// If the settings do not fit together, or what computes the vehicle fails.
 pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
     let mut race = Race::new(plan.options.clone())?;
-    race.run(|_| {});
+    race.run(|_| {})?;
     let learned: Vec<&LapRow> = race.laps.iter().filter(|lap| lap.is_learning()).collect();
     let times = || learned.iter().map(|lap| lap.result.lap_time);
     let reported = learned.iter().find(|lap| lap.iteration == Some(REPORTED_ITERATION));
