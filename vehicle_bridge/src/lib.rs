@@ -8,6 +8,7 @@ pub mod check;
 pub mod cli;
 pub mod commands;
 pub mod console;
+pub mod doctor;
 pub mod network;
 pub mod page;
 pub mod parallel;

@@ -1,6 +1,7 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
 mod fmu;
+mod hil;
 mod network;
 mod race;
 mod study;
@@ -10,6 +11,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
+pub use hil::DoctorArgs;
 pub use network::{NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
@@ -55,6 +57,8 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Find every problem of configuration, track and car files at once
     Check(CheckArgs),
+    /// Find what this computer lacks to drive a car, each with its fix
+    Doctor(DoctorArgs),
     /// Pack FMUs, or look into one
     Fmu(FmuArgs),
     /// Print a completion script for a shell

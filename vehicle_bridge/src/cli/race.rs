@@ -25,7 +25,8 @@ Change the simulated car that the controller does not see, as NAME=VALUE,...:
   delay=S     actuation delay
   lag=S       time constant of both actuators
   noise=SIGMA sensor noise of position [m], heading [rad] and, tenfold, velocities
-  disturb=SIGMA  velocity disturbance in each period [m/s]";
+  disturb=SIGMA  velocity disturbance in each period [m/s]
+  mu_fall=X fall_time=S  grip falls to X in mid-race, by default after 60 s";
 
 /// Options of `lmpc race`.
 #[derive(Debug, Args)]

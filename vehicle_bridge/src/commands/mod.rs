@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod check;
+mod doctor;
 mod fmu;
 mod network;
 mod race;
@@ -52,6 +53,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Check(args) => check::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.

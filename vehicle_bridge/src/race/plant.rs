@@ -1,12 +1,15 @@
 //! What the simulated car has that the controller does not know, as the command line says it.
 
-use vehicle_model::PlantParams;
+use vehicle_model::{GripChange, PlantParams};
 
 use crate::settings::Usage;
 
 /// Names that may be changed, for messages.
-const NAMES: &str =
-    "mu, mu_f, mu_r, mass, iz, b_f, c_f, b_r, c_r, drag, delay, lag, noise, disturb";
+const NAMES: &str = "mu, mu_f, mu_r, mass, iz, b_f, c_f, b_r, c_r, drag, delay, lag, noise, disturb, mu_fall, fall_time";
+/// When grip falls, unless `fall_time` says otherwise. \[s\]
+const FALL_TIME: f64 = 60.0;
+/// A time no race reaches. \[s\]
+const NEVER: f64 = 1e9;
 
 /// Sensor noise of velocities is this many times that of position and heading: they come from
 /// differences of poses over a tenth of a second.
@@ -59,9 +62,25 @@ fn set(plant: &mut PlantParams, name: &str, value: f64) -> Result<(), String> {
             (noise.v_x, noise.v_y, noise.omega_z) = (velocity, velocity, velocity);
         }
         "disturb" => plant.disturbance.process_std = [value, value, YAW_DISTURBANCE * value],
+        "mu_fall" => {
+            // After what changes the friction from the start on: the fall is relative to that.
+            let factor = [value / car.tyre_front.mu, value / car.tyre_rear.mu];
+            fall(plant).factor = factor;
+        }
+        "fall_time" => fall(plant).time_s = Some([value, NEVER]),
         _ => return Err(format!("found `{name}`, expected one of {NAMES}")),
     }
     Ok(())
+}
+
+/// The fall of grip in mid-race.
+fn fall(plant: &mut PlantParams) -> &mut GripChange {
+    let grip = &mut plant.disturbance.grip;
+    if grip.is_empty() {
+        let time_s = Some([FALL_TIME, NEVER]);
+        grip.push(GripChange { factor: [1.0; 2], time_s, s_m: None });
+    }
+    &mut grip[0]
 }
 
 #[cfg(test)]
