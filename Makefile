@@ -12,6 +12,9 @@ test:
 	tools/fmu_tools.sh
 	cargo test --workspace --release
 	tests/interop/types.sh
+	tests/interop/python_vehicle.sh
+	tests/interop/mapped_car.sh
+	tests/interop/spy.sh
 	$(MAKE) fmu-test
 
 # Both FMUs for Linux and Windows, FMI 2.0 and 3.0, and the wired systems, in out/fmu.

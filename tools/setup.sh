@@ -26,6 +26,9 @@ for job in "$@"; do
     test)
         need liblcm-bin "lcm-gen and lcm-logger, what our messages and logs are compared with" "command -v lcm-gen"
         need iproute2 "sets up the network namespaces the network tests run in" "command -v ip"
+        need default-jdk-headless "builds the jar from which lcm-spy knows our messages" "command -v javac && command -v jar"
+        need xvfb "the screen lcm-spy is looked at on" "command -v Xvfb"
+        need imagemagick "takes the picture of that screen" "command -v import && command -v convert"
         need util-linux "makes those namespaces" "command -v unshare"
         need python3-venv "the official Python package of LCM goes in a venv" "python3 -c 'import ensurepip'"
         ;;

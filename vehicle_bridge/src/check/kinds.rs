@@ -1,11 +1,15 @@
 //! What can be wrong in each kind of file.
 
+use std::path::Path;
+
 use controller::{Config, ConfigError};
 use vehicle_model::params::ParamProblem;
 use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
 use super::source::Source;
 use super::{Finding, Kind};
+use crate::mapping::MapFile;
+use crate::network::map_file;
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
 pub(super) fn recognise(file: &str, text: &str) -> Kind {
@@ -16,7 +20,9 @@ pub(super) fn recognise(file: &str, text: &str) -> Kind {
         })
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
-    if has(&["segment", "width_left_m", "width_right_m"]) {
+    if has(&["source", "command"]) {
+        Kind::Map
+    } else if has(&["segment", "width_left_m", "width_right_m"]) {
         Kind::Track
     } else if has(&["mass_kg", "inertia_z_kgm2", "tyre_front", "tyre_rear"]) {
         Kind::Car
@@ -88,6 +94,27 @@ pub(super) fn track(file: &str, text: &str) -> Vec<Finding> {
         other => Finding::of(other.to_string()),
     };
     Track::check(file, text).into_iter().map(finding).collect()
+}
+
+/// Problems of a map file, and of the `.lcm` files it names.
+pub(super) fn map(file: &str, text: &str) -> Vec<Finding> {
+    let mut source = Source::new(text);
+    let mut findings = Vec::new();
+    let parse = |text: &str| toml::from_str::<MapFile>(text).map(|_| ());
+    if source.read(&mut findings, parse)
+        && let Ok(parsed) = toml::from_str::<MapFile>(source.text())
+        && let Err(problems) = map_file::resolve(Path::new(file), &parsed, source.text())
+    {
+        // What stands in for a missing key was reported as missing.
+        findings.extend(problems.into_iter().filter_map(|problem| {
+            let line = match problem.line {
+                Some(line) => Some(source.original_line(line)?),
+                None => None,
+            };
+            Some(Finding { line, column: None, message: problem.message })
+        }));
+    }
+    findings
 }
 
 fn is_toml(text: &str) -> bool {

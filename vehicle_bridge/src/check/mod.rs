@@ -1,4 +1,4 @@
-//! Finds every problem of a configuration, car or track file, not only the first.
+//! Finds every problem of a configuration, car, track or map file, not only the first.
 
 mod kinds;
 mod source;
@@ -19,6 +19,8 @@ pub enum Kind {
     Car,
     /// A track.
     Track,
+    /// The map between a car's messages and ours.
+    Map,
     /// Not known: it could not be read.
     Unknown,
 }
@@ -29,6 +31,7 @@ impl fmt::Display for Kind {
             Self::Configuration => "configuration",
             Self::Car => "car",
             Self::Track => "track",
+            Self::Map => "map",
             Self::Unknown => "file",
         })
     }
@@ -105,6 +108,7 @@ pub fn check_text(file: &str, text: &str) -> Checked {
         Kind::Configuration | Kind::Unknown => kinds::configuration(text),
         Kind::Car => kinds::car(text),
         Kind::Track => kinds::track(file, text),
+        Kind::Map => kinds::map(file, text),
     };
     problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
     Checked { file: file.to_owned(), kind, problems }

@@ -12,7 +12,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::DoctorArgs;
-pub use network::{NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs};
+pub use network::{
+    CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
+};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 
@@ -55,7 +57,7 @@ pub enum Command {
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
     Replay(Box<ReplayArgs>),
-    /// Find every problem of configuration, track and car files at once
+    /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix
     Doctor(DoctorArgs),
@@ -70,7 +72,7 @@ Examples:
   lmpc check race.toml
   lmpc check race.toml my_car.toml oval.csv --json
 
-The kind of a file is recognised from its content: configuration, car or track in TOML,
+The kind of a file is recognised from its content: configuration, car, track or map in TOML,
 track in CSV or TTL. Exit code 1 if any file has a problem.";
 
 /// Options of `lmpc check`.

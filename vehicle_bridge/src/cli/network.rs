@@ -88,6 +88,8 @@ pub struct VehicleArgs {
 pub enum Vehicle {
     /// A simulated car
     Sim(Box<SimArgs>),
+    /// A real car that speaks its own messages
+    Car(CarArgs),
 }
 
 /// Options of `lmpc vehicle sim`.
@@ -115,6 +117,34 @@ pub struct SimArgs {
     /// Speed on the line at the start; by default 0, in lock-step that of the warm-up laps
     #[arg(long, value_name = "MPS")]
     pub start_speed: Option<f64>,
+    /// FIFO priority and locked memory, where the system grants them
+    #[arg(long)]
+    pub realtime: bool,
+}
+
+const CAR_EXAMPLES: &str = "\
+Examples:
+  lmpc check examples/lcm/car.toml           is the map right?
+  lmpc vehicle car --map examples/lcm/car.toml
+  lmpc vehicle car --map car.toml --url 'udpm://239.255.76.67:7667?ttl=1' --realtime
+
+The map names the car's channels, types (.lcm files) and fields, with scale, offset, frame and
+time base. Publishes CAR/STATE (quality 1) and CAR/ACT, obeys LMPC/CMD. When the commands stop,
+and at Ctrl-C, the car is sent the map's `stop` values.";
+
+/// Options of `lmpc vehicle car`.
+#[derive(Debug, Args)]
+#[command(after_help = CAR_EXAMPLES)]
+pub struct CarArgs {
+    /// The map between the car's messages and ours
+    #[arg(long, value_name = "FILE")]
+    pub map: PathBuf,
+    /// Car whose limits a command must keep: built-in name or TOML file
+    #[arg(long, default_value = "barc", value_name = "CAR")]
+    pub car: String,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
     /// FIFO priority and locked memory, where the system grants them
     #[arg(long)]
     pub realtime: bool,

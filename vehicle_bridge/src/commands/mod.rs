@@ -50,6 +50,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Study(args) => study::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
+        Command::Vehicle(VehicleArgs { vehicle: Vehicle::Car(args) }) => network::car(&args, talk),
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Check(args) => check::run(&args),

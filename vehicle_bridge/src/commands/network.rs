@@ -11,14 +11,15 @@ use controller::Controller;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::{Outcome, setup};
-use crate::cli::{RecordArgs, ReplayArgs, ServeArgs, SimArgs};
+use crate::cli::{CarArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs};
 use crate::console::{Talk, WARN, paint, result};
 use crate::network::car::{Car, CarOptions, Drive};
+use crate::network::mapped_car::MappedCar;
 use crate::network::service::{Service, ServiceOptions};
 use crate::network::store::Store;
-use crate::network::{realtime, record, replay};
+use crate::network::{map_file, realtime, record, replay};
 use crate::race::words::kind_word;
-use crate::race::{FailureRule, learned};
+use crate::race::{FailureRule, learned, load};
 use crate::transport::{self, ThreadStart, Transport};
 
 /// A command may be used this many periods: one lost command does not stop the car.
@@ -107,6 +108,36 @@ pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
         (false, 0) => Outcome::Done,
         _ => Outcome::Degraded,
     })
+}
+
+/// Bridges to a real car until Ctrl-C.
+pub(super) fn car(args: &CarArgs, talk: Talk) -> Result<Outcome> {
+    let mapping = map_file::load(&args.map)?;
+    let car = load::car(&args.car)?;
+    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    notes.extend(real_time(args.realtime));
+    for note in &notes {
+        talk.say(&paint(WARN, &format!("warning: {note}")));
+    }
+    let stop = on_signal()?;
+    talk.say("bridging; Ctrl-C stops the car and ends");
+    let bridged = MappedCar::new(mapping, car, &network)?.run(&stop)?;
+    let (source, commands) = (bridged.source, bridged.commands);
+    talk.say(&format!(
+        "car: {} states, {} messages bad, {} old, {} incomplete; controller: {} commands, {} bad, \
+         {} old, {} stale; {} sent to the car, {} stops",
+        bridged.states,
+        source.bad,
+        source.old,
+        source.incomplete,
+        commands.ok,
+        commands.bad,
+        commands.old,
+        commands.stale,
+        bridged.sent,
+        bridged.stops
+    ));
+    Ok(Outcome::Done)
 }
 
 /// Records until Ctrl-C.

@@ -7,6 +7,8 @@
 pub mod car;
 pub mod convert;
 pub mod guard;
+pub mod map_file;
+pub mod mapped_car;
 pub mod operator;
 pub mod outlet;
 pub mod pulse;
