@@ -1,5 +1,6 @@
 //! Simulated vehicles, whatever computes them: what a host drives.
 
+pub mod fmu;
 mod plant;
 
 use std::sync::Arc;

@@ -1,0 +1,302 @@
+//! A first map for an FMU, from names, units and causalities of its variables.
+
+use std::fmt::Write as _;
+
+use fmu_core::{Inspection, VariableRow};
+
+use super::map::{Frame, Map, input_quantities, state_quantities};
+use super::slave::{attribute, row};
+use super::units::{self, Dimension};
+
+/// Model name of our own vehicle FMU.
+const OUR_NAME: &str = "LMPC vehicle";
+
+const OURS: &str = r#"
+frame = "track"
+[input]
+a = "cmd.a"
+delta = "cmd.delta"
+[state]
+v_x = "vehicle.v_x"
+v_y = "vehicle.v_y"
+omega_z = "vehicle.omega_z"
+e_psi = "vehicle.e_psi"
+s = "vehicle.s"
+e_y = "vehicle.e_y"
+[truth]
+v_x = "truth.v_x"
+v_y = "truth.v_y"
+omega_z = "truth.omega_z"
+e_psi = "truth.e_psi"
+s = "truth.s"
+e_y = "truth.e_y"
+[applied]
+a = "applied.a"
+delta = "applied.delta"
+[initial]
+v_x = "initial.v_x"
+v_y = "initial.v_y"
+omega_z = "initial.omega_z"
+e_psi = "initial.e_psi"
+s = "initial.s"
+e_y = "initial.e_y"
+[parameters]
+"param.track" = "{track}"
+"param.car" = "{car}"
+"param.seed" = "{seed}"
+"#;
+
+/// Names a quantity goes by, words joined; the better first.
+const NAMES: [(&str, &[&str]); 11] = [
+    ("a", &["a", "acceleration", "accel", "acc", "ax", "acceleratordemand", "longacc"]),
+    ("delta", &["delta", "steer", "steering", "steeringangle", "roadwheelangle", "wheelangle"]),
+    ("v_x", &["vx", "velocityx", "longitudinalvelocity", "vlong", "speed", "velocity", "v"]),
+    ("v_y", &["vy", "velocityy", "lateralvelocity", "vlat", "lateralspeed", "slipspeed"]),
+    ("omega_z", &["omegaz", "yawrate", "psidot", "yawvelocity", "wz", "omega", "r"]),
+    ("x", &["x", "posx", "positionx", "east", "xpos", "px"]),
+    ("y", &["y", "posy", "positiony", "north", "ypos", "py"]),
+    ("psi", &["psi", "yaw", "heading", "yawangle", "theta"]),
+    ("e_psi", &["epsi", "headingerror", "epsilonpsi", "relativeheading"]),
+    ("s", &["s", "arclength", "station", "distance"]),
+    ("e_y", &["ey", "lateralerror", "crosstrackerror", "lateraldeviation", "d"]),
+];
+/// Words that say no more than that it is the car's, or in which unit.
+const NOISE: [&str; 13] = [
+    "vehicle", "car", "ego", "chassis", "body", "cmd", "command", "demand", "measured", "out", "in",
+    "output", "input",
+];
+/// Words of a quantity at the start.
+const START: [&str; 5] = ["initial", "init", "start", "0", "begin"];
+
+/// Whether the FMU is our vehicle.
+#[must_use]
+pub fn is_ours(inspection: &Inspection) -> bool {
+    attribute(inspection, "modelName") == OUR_NAME && row(inspection, "cmd.delta").is_some()
+}
+
+/// The map of our own vehicle FMU, if this is it.
+#[must_use]
+pub fn map_of_ours(inspection: &Inspection) -> Option<Map> {
+    is_ours(inspection).then(|| Map::from_toml(OURS).ok()).flatten()
+}
+
+/// One guess.
+struct Guess<'a> {
+    row: &'a VariableRow,
+    unit: Option<String>,
+    right: bool,
+    doubts: Vec<String>,
+}
+
+/// The words of a name, the unit and side in it taken out.
+struct Words {
+    joined: String,
+    unit: Option<String>,
+    right: bool,
+    start: bool,
+}
+
+fn words(name: &str) -> Words {
+    let mut split = String::new();
+    let mut lower_before = false;
+    for c in name.chars() {
+        if c.is_uppercase() && lower_before {
+            split.push(' ');
+        }
+        lower_before = c.is_lowercase();
+        split.extend(if c.is_alphanumeric() { c.to_lowercase().next() } else { Some(' ') });
+    }
+    let mut all: Vec<&str> = split.split_whitespace().collect();
+    let mut found = Words { joined: String::new(), unit: None, right: false, start: false };
+    // `m` and `g` are names too: a unit of one letter is taken for one only in the description.
+    let is_unit = |w: &str| w.len() > 1 && units::unit(w).is_some();
+    if all.len() > 1 {
+        found.unit = all.last().filter(|w| is_unit(w)).map(|w| (*w).to_owned());
+        all.truncate(all.len() - usize::from(found.unit.is_some()));
+    }
+    found.right = all.contains(&"right");
+    found.start = all.iter().any(|w| START.contains(w)) || name.ends_with('0');
+    all.retain(|w| !["right", "left"].contains(w) && !START.contains(w));
+    if all.iter().any(|w| !NOISE.contains(w)) {
+        all.retain(|w| !NOISE.contains(w));
+    }
+    found.joined = all.concat().trim_end_matches('0').to_owned();
+    found
+}
+
+fn guess<'a>(
+    rows: &'a [VariableRow],
+    wanted: (&str, Dimension),
+    fits: impl Fn(&VariableRow) -> bool,
+    at_start: bool,
+) -> Option<Guess<'a>> {
+    let names = NAMES.iter().find(|(name, _)| *name == wanted.0)?.1;
+    let mut best: Option<(usize, Guess<'a>)> = None;
+    for row in rows.iter().filter(|row| fits(row)) {
+        let read = words(&row.name);
+        if at_start && !read.start {
+            continue;
+        }
+        let exact = names.iter().position(|name| *name == read.joined);
+        let partial = names.iter().filter(|n| n.len() > 2).any(|n| read.joined.contains(n));
+        let Some(mut cost) = exact.or(partial.then_some(20)) else { continue };
+        let mut doubts = Vec::new();
+        if exact.is_none() {
+            doubts.push(format!("the name only resembles `{}`", wanted.0));
+        }
+        let mut unit = None;
+        match units::unit(&row.unit) {
+            Some((dimension, _)) if dimension == wanted.1 => {}
+            Some(_) => continue,
+            None => match read.unit {
+                Some(named) if units::unit(&named).is_some_and(|(d, _)| d == wanted.1) => {
+                    unit = Some(named);
+                }
+                Some(_) => continue,
+                None => {
+                    cost += 5;
+                    doubts.push(if row.unit.is_empty() {
+                        "no unit: taken for SI".to_owned()
+                    } else {
+                        format!("unit `{}` is not known: taken for SI", row.unit)
+                    });
+                }
+            },
+        }
+        let said = row.description.to_lowercase();
+        let right = read.right || said.contains("right positive") || said.contains("to the right");
+        if right && !read.right {
+            doubts.push("positive to the right, by its description".to_owned());
+        }
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, Guess { row, unit, right, doubts }));
+        }
+    }
+    best.map(|(_, guess)| guess)
+}
+
+/// A map as TOML, what is uncertain said in comments.
+#[must_use]
+pub fn propose(inspection: &Inspection, file: &str) -> String {
+    if is_ours(inspection) {
+        return format!("# Our own vehicle FMU: this is its map without a file, too.\nfmu = {file:?}\n{}", OURS.trim_start());
+    }
+    let rows = &inspection.variables;
+    let output = |row: &VariableRow| row.causality == "output" || row.causality == "local";
+    let count = |frame| {
+        let all = state_quantities(frame);
+        all.into_iter().filter(|w| guess(rows, *w, output, false).is_some()).count()
+    };
+    let frame =
+        if count(Frame::Track) > count(Frame::Global) { Frame::Track } else { Frame::Global };
+    let name = attribute(inspection, "modelName");
+    let mut text = format!(
+        "# Proposed for {name}: check every line, above all the signs (ours: x forward, y left,\n\
+         # steering, yaw and yaw rate positive to the left).\n\
+         # ours = scale * unit * theirs + offset\nfmu = {file:?}\nframe = \"{}\"\n\
+         # step_s = 0.01  # longest communication step; the control period if absent\n",
+        if frame == Frame::Track { "track" } else { "global" }
+    );
+    let state = state_quantities(frame);
+    let input = |row: &VariableRow| row.causality == "input";
+    section(&mut text, "input", &input_quantities(), |w| guess(rows, w, input, false), true);
+    section(&mut text, "state", &state, |w| guess(rows, w, output, false), true);
+    let parameter = |row: &VariableRow| row.causality == "parameter";
+    section(&mut text, "initial", &state, |w| guess(rows, w, parameter, true), false);
+    text.push_str("\n[parameters]\n");
+    for row in rows.iter().filter(|row| parameter(row) && !words(&row.name).start) {
+        let unit = if row.unit.is_empty() { String::new() } else { format!(" [{}]", row.unit) };
+        let start = if row.kind == "String" { format!("{:?}", row.start) } else { row.start.clone() };
+        let _ = writeln!(text, "# {:?} = {start}  # {}{unit}", row.name, row.description);
+    }
+    text
+}
+
+fn section<'a>(
+    text: &mut String,
+    name: &str,
+    quantities: &[(&'static str, Dimension)],
+    find: impl Fn((&'static str, Dimension)) -> Option<Guess<'a>>,
+    all: bool,
+) {
+    let _ = write!(text, "\n[{name}]\n");
+    for (quantity, dimension) in quantities {
+        let Some(found) = find((quantity, *dimension)) else {
+            if all {
+                let _ = writeln!(text, "# {quantity} = ?  # nothing looks like it");
+            }
+            continue;
+        };
+        let Guess { row, unit, right, doubts } = found;
+        let mut entry = format!("{{ variable = {:?}", row.name);
+        if let Some(unit) = unit {
+            let _ = write!(entry, ", unit = {unit:?}");
+        }
+        if right {
+            entry.push_str(", scale = -1.0");
+        }
+        entry.push_str(" }");
+        let doubts =
+            if doubts.is_empty() { String::new() } else { format!("  # unsure: {}", doubts.join("; ")) };
+        let _ = writeln!(text, "{quantity} = {entry}{doubts}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn variable(name: &str, causality: &str, unit: &str) -> VariableRow {
+        VariableRow {
+            name: name.to_owned(),
+            causality: causality.to_owned(),
+            unit: unit.to_owned(),
+            kind: "Real".to_owned(),
+            ..VariableRow::default()
+        }
+    }
+
+    fn foreign() -> Inspection {
+        Inspection {
+            attributes: vec![("modelName".to_owned(), "theirs".to_owned())],
+            files: Vec::new(),
+            model_description: String::new(),
+            variables: vec![
+                variable("accel_cmd", "input", "m/s2"),
+                variable("steering_right_deg", "input", ""),
+                variable("Vehicle.speed_kmh", "output", ""),
+                variable("lateral_velocity", "output", "m/s"),
+                variable("yawRate", "output", "deg/s"),
+                variable("pos_x", "output", "m"),
+                variable("pos_y", "output", "m"),
+                variable("heading", "output", "deg"),
+                variable("wheel_speed", "output", "rad/s"),
+                variable("init_speed_kmh", "parameter", ""),
+            ],
+        }
+    }
+
+    #[test]
+    fn a_car_with_other_names_units_and_signs_is_understood() {
+        let text = propose(&foreign(), "theirs.fmu");
+        let map = Map::from_toml(&text).unwrap();
+        let factor = |table: &std::collections::BTreeMap<_, super::super::map::Entry>,
+                      key: &str,
+                      own: &str,
+                      dimension| table[key].factor(own, dimension).unwrap().0;
+        assert_eq!(map.frame, Frame::Global);
+        assert!((factor(&map.input, "delta", "", Dimension::Angle) + 0.017_453_292_5).abs() < 1e-9);
+        assert!((factor(&map.state, "v_x", "", Dimension::Speed) * 3.6 - 1.0).abs() < 1e-12);
+        assert_eq!(map.state["omega_z"].variable(), "yawRate");
+        assert_eq!(map.initial["v_x"].variable(), "init_speed_kmh");
+    }
+
+    #[test]
+    fn what_is_not_found_is_said_and_refused() {
+        let mut theirs = foreign();
+        theirs.variables.retain(|row| row.name != "heading");
+        let text = propose(&theirs, "theirs.fmu");
+        assert!(text.contains("# psi = ?"), "{text}");
+        assert!(Map::from_toml(&text).unwrap_err().to_string().contains("`psi` is missing"));
+    }
+}
