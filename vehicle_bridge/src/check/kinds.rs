@@ -10,6 +10,8 @@ use super::source::Source;
 use super::{Finding, Kind};
 use crate::mapping::MapFile;
 use crate::network::map_file;
+use crate::vehicle::fmu::map::Map;
+use crate::vehicle::fmu::misfits;
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
 pub(super) fn recognise(file: &str, text: &str) -> Kind {
@@ -20,7 +22,9 @@ pub(super) fn recognise(file: &str, text: &str) -> Kind {
         })
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
-    if has(&["source", "command"]) {
+    if has(&["frame"]) && has(&["input"]) {
+        Kind::VehicleMap
+    } else if has(&["source", "command"]) {
         Kind::Map
     } else if has(&["segment", "width_left_m", "width_right_m"]) {
         Kind::Track
@@ -114,6 +118,32 @@ pub(super) fn map(file: &str, text: &str) -> Vec<Finding> {
             Some(Finding { line, column: None, message: problem.message })
         }));
     }
+    findings
+}
+
+/// Problems of a vehicle FMU's map, and of the two together if it names the FMU.
+pub(super) fn vehicle_map(file: &str, text: &str) -> Vec<Finding> {
+    let mut source = Source::new(text);
+    let mut findings = Vec::new();
+    let parse = |text: &str| toml::from_str::<Map>(text).map(|_| ());
+    if !source.read(&mut findings, parse) {
+        return findings;
+    }
+    let Ok(map) = toml::from_str::<Map>(source.text()) else { return findings };
+    let mut problems = map.problems();
+    if let Some(fmu) = &map.fmu {
+        let beside = Path::new(file).with_file_name(fmu);
+        let fmu = if beside.exists() { beside } else { fmu.into() };
+        match misfits(&map, &fmu) {
+            Ok(found) => problems.extend(found),
+            Err(error) => problems.push(("fmu".to_owned(), error.to_string())),
+        }
+    }
+    problems.dedup();
+    findings.extend(problems.into_iter().map(|(key, what)| {
+        let line = source.line_of(&key);
+        Finding { line, column: None, message: format!("{key}: {what}") }
+    }));
     findings
 }
 

@@ -21,6 +21,8 @@ pub enum Kind {
     Track,
     /// The map between a car's messages and ours.
     Map,
+    /// Map of a vehicle FMU.
+    VehicleMap,
     /// Not known: it could not be read.
     Unknown,
 }
@@ -32,6 +34,7 @@ impl fmt::Display for Kind {
             Self::Car => "car",
             Self::Track => "track",
             Self::Map => "map",
+            Self::VehicleMap => "vehicle map",
             Self::Unknown => "file",
         })
     }
@@ -109,6 +112,7 @@ pub fn check_text(file: &str, text: &str) -> Checked {
         Kind::Car => kinds::car(text),
         Kind::Track => kinds::track(file, text),
         Kind::Map => kinds::map(file, text),
+        Kind::VehicleMap => kinds::vehicle_map(file, text),
     };
     problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
     Checked { file: file.to_owned(), kind, problems }

@@ -5,6 +5,7 @@ mod hil;
 mod network;
 mod race;
 mod study;
+mod vehicle;
 
 use std::path::PathBuf;
 
@@ -17,6 +18,7 @@ pub use network::{
 };
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
+pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -72,8 +74,9 @@ Examples:
   lmpc check race.toml
   lmpc check race.toml my_car.toml oval.csv --json
 
-The kind of a file is recognised from its content: configuration, car, track or map in TOML,
-track in CSV or TTL. Exit code 1 if any file has a problem.";
+The kind of a file is recognised from its content: configuration, car, track, map of a car's
+messages or of a vehicle FMU in TOML, track in CSV or TTL. A map is checked with the FMU or `.lcm`
+files it names. Exit code 1 if any file has a problem.";
 
 /// Options of `lmpc check`.
 #[derive(Debug, Args)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::ControllerArgs;
+use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs};
 use crate::transport::DEFAULT_URL;
 
 const SERVE_EXAMPLES: &str = "\
@@ -90,6 +90,10 @@ pub enum Vehicle {
     Sim(Box<SimArgs>),
     /// A real car that speaks its own messages
     Car(CarArgs),
+    /// A vehicle-model FMU of any vendor, FMI 2.0 or 3.0 co-simulation
+    Fmu(Box<FmuCarArgs>),
+    /// Propose a map for a vehicle FMU, as TOML
+    Inspect(InspectVehicleArgs),
 }
 
 /// Options of `lmpc vehicle sim`.

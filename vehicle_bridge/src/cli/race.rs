@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use controller::config::{NominalModel, RegressionMode};
 
+use super::FmuVehicleArgs;
+
 const EXAMPLES: &str = "\
 Examples:
   lmpc race                                  the defaults: small car, L track, 20 laps
@@ -13,7 +15,9 @@ Examples:
   lmpc race --plant mu=0.7,delay=0.1         less grip and late actuators
   lmpc race --set horizon.steps=12           any key of the configuration
   lmpc race --laps 10 --save today.lmpc      keep what was learned ...
-  lmpc race --laps 10 --load today.lmpc      ... and drive on from there";
+  lmpc race --laps 10 --load today.lmpc      ... and drive on from there
+  lmpc race --vehicle fmu:out/fmu/fmi3/lmpc-vehicle.fmu
+  lmpc race --vehicle fmu:their_car.fmu --map map.toml";
 
 const PLANT_HELP: &str = "\
 Change the simulated car that the controller does not see, as NAME=VALUE,...:
@@ -53,6 +57,12 @@ pub struct RaceArgs {
     /// Where to keep the learned data; an earlier file stays as FILE.bak
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
+    /// What is driven: the simulated car, or a vehicle FMU of any vendor
+    #[arg(long, default_value = "sim", value_name = "sim|fmu:FILE")]
+    pub vehicle: String,
+    /// The vehicle FMU's map.
+    #[command(flatten)]
+    pub fmu: FmuVehicleArgs,
     /// Folder for laps.csv, trajectory.csv, timings.csv and report.html
     #[arg(long, default_value = "out/race", value_name = "DIR")]
     pub out: PathBuf,

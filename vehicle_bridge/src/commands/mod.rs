@@ -9,6 +9,7 @@ mod race_table;
 mod seeds;
 mod setup;
 mod study;
+mod vehicle;
 
 use anyhow::Result;
 use clap::CommandFactory as _;
@@ -49,8 +50,12 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
-        Command::Vehicle(VehicleArgs { vehicle: Vehicle::Sim(args) }) => network::sim(&args, talk),
-        Command::Vehicle(VehicleArgs { vehicle: Vehicle::Car(args) }) => network::car(&args, talk),
+        Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
+            Vehicle::Sim(args) => network::sim(&args, None, talk),
+            Vehicle::Fmu(args) => network::sim(&args.car, Some((&args.file, &args.fmu)), talk),
+            Vehicle::Car(args) => network::car(&args, talk),
+            Vehicle::Inspect(args) => vehicle::inspect(&args),
+        },
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Check(args) => check::run(&args),

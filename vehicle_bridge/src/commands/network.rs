@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::BufReader;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -10,8 +11,8 @@ use anyhow::{Context as _, Result};
 use controller::Controller;
 use vehicle_model::{Plant, PlantParams, State};
 
-use super::{Outcome, setup};
-use crate::cli::{CarArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs};
+use super::{Outcome, setup, vehicle};
+use crate::cli::{CarArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs};
 use crate::console::{Talk, WARN, paint, result};
 use crate::network::car::{Car, CarOptions, Drive};
 use crate::network::mapped_car::MappedCar;
@@ -21,6 +22,7 @@ use crate::network::{map_file, realtime, record, replay};
 use crate::race::words::kind_word;
 use crate::race::{FailureRule, learned, load};
 use crate::transport::{self, ThreadStart, Transport};
+use crate::vehicle::Vehicle;
 
 /// A command may be used this many periods: one lost command does not stop the car.
 const VALID_PERIODS: f64 = 2.5;
@@ -71,14 +73,26 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Runs a simulated car.
-pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
+/// Runs a simulated car, or a vehicle FMU.
+pub(super) fn sim(
+    args: &SimArgs,
+    fmu: Option<(&PathBuf, &FmuVehicleArgs)>,
+    talk: Talk,
+) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0)?;
     let config = &options.config;
     let rolling = if args.lock_step { config.warm_up.speed } else { 0.0 };
     let start = State { v_x: args.start_speed.unwrap_or(rolling), ..State::default() };
-    let params = PlantParams { seed: args.seed, ..options.plant.clone() };
-    let plant = Plant::new(params, Arc::clone(&options.track), start)?;
+    let vehicle: Box<dyn Vehicle> = match fmu {
+        Some((file, fmu)) => {
+            let (controller, seed) = (&args.controller, args.seed);
+            Box::new(vehicle::fmu(file, fmu, controller, &options, seed, start.v_x)?)
+        }
+        None => {
+            let params = PlantParams { seed: args.seed, ..options.plant.clone() };
+            Box::new(Plant::new(params, Arc::clone(&options.track), start)?)
+        }
+    };
     let rule = FailureRule::new(config, &options.track);
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
     notes.extend(real_time(args.realtime));
@@ -94,13 +108,12 @@ pub(super) fn sim(args: &SimArgs, talk: Talk) -> Result<Outcome> {
     };
     let stop = on_signal()?;
     let mut closed = Ok(());
-    let drive =
-        Car::new(car, Box::new(plant), rule, &network)?.run(&stop, &mut |lap, time, clean| {
-            let off = if clean { "" } else { "  off the track" };
-            if closed.is_ok() {
-                closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
-            }
-        })?;
+    let drive = Car::new(car, vehicle, rule, &network)?.run(&stop, &mut |lap, time, clean| {
+        let off = if clean { "" } else { "  off the track" };
+        if closed.is_ok() {
+            closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
+        }
+    })?;
     closed?;
     account(&drive, talk);
     Ok(match (drive.deserted, drive.off_track + drive.stopped) {

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use serde_json::json;
 
 use super::race_table::{LapTable, head};
-use super::{Outcome, seeds, setup};
+use super::{Outcome, seeds, setup, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 use crate::race::record::{StepRow, is_fallback};
@@ -27,7 +27,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let lead = lead(&options);
     talk.say(&lead);
-    let mut race = Race::new(options.clone())?;
+    let mut race = vehicle::race(args, &options)?;
     if let Some(path) = &args.load {
         learned::load(path, race.controller_mut())?;
         talk.say(&format!(

@@ -6,8 +6,8 @@ use anyhow::{Context as _, Result};
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use serde_json::json;
 
-use super::Outcome;
 use super::race::{lead, outcome, write};
+use super::{Outcome, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, GOOD, Talk, paint, result};
 use crate::parallel::{parallel, threads};
@@ -38,7 +38,7 @@ pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -
         let mut options = base.clone();
         options.seed = seed;
         options.config.warm_up.seed = seed;
-        let mut race = Race::new(options.clone())?;
+        let mut race = vehicle::race(args, &options)?;
         race.run(|_| {})?;
         let folder = args.out.join(format!("seed-{seed}"));
         fs::create_dir_all(&folder)

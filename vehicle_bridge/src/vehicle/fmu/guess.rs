@@ -62,8 +62,8 @@ const NAMES: [(&str, &[&str]); 11] = [
 ];
 /// Words that say no more than that it is the car's, or in which unit.
 const NOISE: [&str; 13] = [
-    "vehicle", "car", "ego", "chassis", "body", "cmd", "command", "demand", "measured", "out", "in",
-    "output", "input",
+    "vehicle", "car", "ego", "chassis", "body", "cmd", "command", "demand", "measured", "out",
+    "in", "output", "input",
 ];
 /// Words of a quantity at the start.
 const START: [&str; 5] = ["initial", "init", "start", "0", "begin"];
@@ -179,7 +179,10 @@ fn guess<'a>(
 #[must_use]
 pub fn propose(inspection: &Inspection, file: &str) -> String {
     if is_ours(inspection) {
-        return format!("# Our own vehicle FMU: this is its map without a file, too.\nfmu = {file:?}\n{}", OURS.trim_start());
+        return format!(
+            "# Our own vehicle FMU: this is its map without a file, too.\nfmu = {file:?}\n{}",
+            OURS.trim_start()
+        );
     }
     let rows = &inspection.variables;
     let output = |row: &VariableRow| row.causality == "output" || row.causality == "local";
@@ -206,7 +209,8 @@ pub fn propose(inspection: &Inspection, file: &str) -> String {
     text.push_str("\n[parameters]\n");
     for row in rows.iter().filter(|row| parameter(row) && !words(&row.name).start) {
         let unit = if row.unit.is_empty() { String::new() } else { format!(" [{}]", row.unit) };
-        let start = if row.kind == "String" { format!("{:?}", row.start) } else { row.start.clone() };
+        let start =
+            if row.kind == "String" { format!("{:?}", row.start) } else { row.start.clone() };
         let _ = writeln!(text, "# {:?} = {start}  # {}{unit}", row.name, row.description);
     }
     text
@@ -236,8 +240,11 @@ fn section<'a>(
             entry.push_str(", scale = -1.0");
         }
         entry.push_str(" }");
-        let doubts =
-            if doubts.is_empty() { String::new() } else { format!("  # unsure: {}", doubts.join("; ")) };
+        let doubts = if doubts.is_empty() {
+            String::new()
+        } else {
+            format!("  # unsure: {}", doubts.join("; "))
+        };
         let _ = writeln!(text, "{quantity} = {entry}{doubts}");
     }
 }

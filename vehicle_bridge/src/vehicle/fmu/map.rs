@@ -71,13 +71,9 @@ pub struct Conversion {
 }
 
 /// Names and dimensions of what may be mapped.
-const INPUT: [(&str, Dimension); 2] =
-    [("a", Dimension::Acceleration), ("delta", Dimension::Angle)];
-const VELOCITIES: [(&str, Dimension); 3] = [
-    ("v_x", Dimension::Speed),
-    ("v_y", Dimension::Speed),
-    ("omega_z", Dimension::AngularSpeed),
-];
+const INPUT: [(&str, Dimension); 2] = [("a", Dimension::Acceleration), ("delta", Dimension::Angle)];
+const VELOCITIES: [(&str, Dimension); 3] =
+    [("v_x", Dimension::Speed), ("v_y", Dimension::Speed), ("omega_z", Dimension::AngularSpeed)];
 const TRACK_POSE: [(&str, Dimension); 3] =
     [("e_psi", Dimension::Angle), ("s", Dimension::Length), ("e_y", Dimension::Length)];
 const GLOBAL_POSE: [(&str, Dimension); 3] =
@@ -124,7 +120,9 @@ impl Entry {
         let size = match units::unit(spelled) {
             Some((dimension, size)) if dimension == wanted => size,
             Some((dimension, _)) => {
-                return Err(format!("unit `{spelled}` measures {dimension:?}, expected {wanted:?}"));
+                return Err(format!(
+                    "unit `{spelled}` measures {dimension:?}, expected {wanted:?}"
+                ));
             }
             // What the FMU says of itself and nobody knows counts as SI, as does nothing.
             None if named.is_none() => 1.0,
@@ -156,7 +154,11 @@ impl Map {
             return Ok(map);
         }
         Err(FmuError::Map(
-            problems.into_iter().map(|(key, what)| format!("{key}: {what}")).collect::<Vec<_>>().join("; "),
+            problems
+                .into_iter()
+                .map(|(key, what)| format!("{key}: {what}"))
+                .collect::<Vec<_>>()
+                .join("; "),
         ))
     }
 

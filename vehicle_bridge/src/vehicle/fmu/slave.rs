@@ -40,7 +40,7 @@ pub struct Variable {
 
 enum Instance {
     // The instance before the folder of its library: it is dropped first.
-    Two(instance2::InstanceCS, #[expect(dead_code, reason = "owns the folder")] Fmi2Import),
+    Two(Box<instance2::InstanceCS>, #[expect(dead_code, reason = "owns the folder")] Fmi2Import),
     Three(Box<Fmi3Instance>, #[expect(dead_code, reason = "owns the folder")] Fmi3Import),
 }
 
@@ -72,11 +72,12 @@ impl Slave {
         let instance = if version.starts_with('2') {
             let import = Fmi2Import::new(folder, &description).map_err(refused)?;
             let instance = import.instantiate_cs("vehicle", false, true).map_err(refused)?;
-            Instance::Two(instance, import)
+            Instance::Two(Box::new(instance), import)
         } else if version.starts_with('3') {
             let import = Fmi3Import::new(folder, &description).map_err(refused)?;
-            let instance =
-                import.instantiate_cs("vehicle", false, true, false, false, &[]).map_err(refused)?;
+            let instance = import
+                .instantiate_cs("vehicle", false, true, false, false, &[])
+                .map_err(refused)?;
             Instance::Three(Box::new(instance), import)
         } else {
             return Err(failed(format!("FMI version `{version}`, expected 2.0 or 3.0")));
@@ -95,8 +96,10 @@ impl Slave {
     /// # Errors
     /// [`FmuError::NoVariable`] if there is none.
     pub fn variable(&self, name: &str) -> Result<Variable, FmuError> {
-        let row = row(&self.inspection, name)
-            .ok_or_else(|| FmuError::NoVariable { path: self.path.clone(), name: name.to_owned() })?;
+        let row = row(&self.inspection, name).ok_or_else(|| FmuError::NoVariable {
+            path: self.path.clone(),
+            name: name.to_owned(),
+        })?;
         let reference = row.value_reference.parse().map_err(|_| FmuError::Load {
             path: self.path.clone(),
             reason: format!("{name}: value reference `{}` is no number", row.value_reference),
@@ -240,8 +243,8 @@ impl Slave {
         let done = match &mut self.instance {
             Instance::Two(i, _) => i
                 .setup_experiment(None, 0.0, None)
-                .and_then(|_| instance2::Common::enter_initialization_mode(i))
-                .and_then(|_| instance2::Common::exit_initialization_mode(i))
+                .and_then(|_| instance2::Common::enter_initialization_mode(&mut **i))
+                .and_then(|_| instance2::Common::exit_initialization_mode(&mut **i))
                 .map(drop)
                 .map_err(|e| e.to_string()),
             Instance::Three(i, _) => i
