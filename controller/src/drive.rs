@@ -1,7 +1,7 @@
 //! What a step decides: initial lap, learned control, or what is left when that fails.
 
 use rand_distr::{Distribution, StandardNormal};
-use vehicle_model::{Input, State};
+use vehicle_model::{Input, Limiter, State};
 
 use crate::controller::Controller;
 use crate::fhocp::greatest;
@@ -160,27 +160,11 @@ impl Controller {
 
     /// The input inside the car's limits, box and rates.
     pub(crate) fn limited(&self, wanted: Input, status: &mut Status) -> Input {
-        let (before, dt) = (self.memory.u_prev, self.setup.config.horizon.period);
-        let limit = |value: f64, before: f64, least: f64, most: f64, rate: Option<f64>| {
-            let reach = rate.map_or(f64::INFINITY, |rate| rate * dt);
-            let value = if value.is_finite() { value } else { before };
-            value.clamp(before - reach, before + reach).clamp(least, most)
-        };
-        let car = &self.setup.car;
-        let input = Input {
-            a: limit(wanted.a, before.a, car.a_min, car.a_max, car.a_rate_max),
-            delta: limit(
-                wanted.delta,
-                before.delta,
-                -car.delta_max,
-                car.delta_max,
-                car.delta_rate_max,
-            ),
-        };
-        // Solvers keep bounds to their tolerance only: that is no clipping.
-        let moved = (input.a - wanted.a).abs().max((input.delta - wanted.delta).abs());
-        status.clipped = moved.is_nan() || moved > 1e-6;
-        input
+        let dt = self.setup.config.horizon.period;
+        let limiter = Limiter::new(&self.setup.car);
+        let limited = limiter.limit(wanted, self.memory.u_prev, status.state.v_x, dt);
+        status.clipped = limited.bits != 0;
+        limited.sent
     }
 
     /// Turns the wanted input into a command; what it makes act is queued, and what leaves the

@@ -9,6 +9,7 @@
 pub mod discretized;
 pub mod error;
 mod fingerprint;
+pub mod limiter;
 pub mod model;
 pub mod params;
 pub mod plant;
@@ -18,6 +19,7 @@ pub mod track;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
+pub use limiter::{Limit, Limited, Limiter};
 pub use model::{AxleForces, Model, ModelKind, PoseConvention};
 pub use params::{CarParams, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
