@@ -8,6 +8,7 @@ use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
 use super::source::Source;
 use super::{Finding, Kind};
+use crate::hil::Bench;
 use crate::mapping::MapFile;
 use crate::network::map_file;
 use crate::vehicle::fmu::map::Map;
@@ -22,7 +23,9 @@ pub(super) fn recognise(file: &str, text: &str) -> Kind {
         })
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
-    if has(&["frame"]) && has(&["input"]) {
+    if has(&["scenario"]) {
+        Kind::Bench
+    } else if has(&["frame"]) && has(&["input"]) {
         Kind::VehicleMap
     } else if has(&["source", "command"]) {
         Kind::Map
@@ -98,6 +101,19 @@ pub(super) fn track(file: &str, text: &str) -> Vec<Finding> {
         other => Finding::of(other.to_string()),
     };
     Track::check(file, text).into_iter().map(finding).collect()
+}
+
+/// Problems of a bench file.
+pub(super) fn bench(text: &str) -> Vec<Finding> {
+    let mut source = Source::new(text);
+    let mut findings = Vec::new();
+    let parse = |text: &str| toml::from_str::<Bench>(text).map(|_| ());
+    if source.read(&mut findings, parse)
+        && let Ok(bench) = toml::from_str::<Bench>(source.text())
+    {
+        findings.extend(bench.problems().into_iter().map(Finding::of));
+    }
+    findings
 }
 
 /// Problems of a map file, and of the `.lcm` files it names.

@@ -19,6 +19,8 @@ pub enum Kind {
     Car,
     /// A track.
     Track,
+    /// Scenarios of a bench.
+    Bench,
     /// The map between a car's messages and ours.
     Map,
     /// Map of a vehicle FMU.
@@ -33,6 +35,7 @@ impl fmt::Display for Kind {
             Self::Configuration => "configuration",
             Self::Car => "car",
             Self::Track => "track",
+            Self::Bench => "bench",
             Self::Map => "map",
             Self::VehicleMap => "vehicle map",
             Self::Unknown => "file",
@@ -111,6 +114,7 @@ pub fn check_text(file: &str, text: &str) -> Checked {
         Kind::Configuration | Kind::Unknown => kinds::configuration(text),
         Kind::Car => kinds::car(text),
         Kind::Track => kinds::track(file, text),
+        Kind::Bench => kinds::bench(text),
         Kind::Map => kinds::map(file, text),
         Kind::VehicleMap => kinds::vehicle_map(file, text),
     };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, Subcommand};
 
 use super::NetworkArgs;
 
@@ -34,4 +34,56 @@ pub struct DoctorArgs {
     /// Print the findings as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+const HIL_EXAMPLES: &str = "\
+Examples:
+  lmpc hil run bench/quick.toml
+  lmpc hil run bench/faults.toml --repeats 100 --jobs 16
+  lmpc hil run bench/faults.toml --scenario 'command loss' --repeats 1000 --seed 7
+
+Runs every scenario in real time in a network namespace of its own: nothing leaves this computer.
+Writes verdict.html and junit.xml. Exit code 0 if every run of every scenario met its limits,
+1 else; the last line names what failed. `lmpc check BENCH.toml` finds mistakes in a bench file.";
+
+/// Options of `lmpc hil`.
+#[derive(Debug, Args)]
+pub struct HilArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: HilAction,
+}
+
+/// What `lmpc hil` does.
+#[derive(Debug, Subcommand)]
+pub enum HilAction {
+    /// Run a bench: drive, inject faults, judge
+    Run(HilRunArgs),
+}
+
+/// Options of `lmpc hil run`.
+#[derive(Debug, Args)]
+#[command(after_help = HIL_EXAMPLES)]
+pub struct HilRunArgs {
+    /// Bench file
+    #[arg(value_name = "BENCH.toml")]
+    pub bench: PathBuf,
+    /// Only scenarios whose name contains this; may be repeated
+    #[arg(long = "scenario", value_name = "NAME")]
+    pub scenarios: Vec<String>,
+    /// Runs of each scenario, instead of the file's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeats: Option<u32>,
+    /// Seed of the first run, instead of the file's
+    #[arg(long, value_name = "SEED")]
+    pub seed: Option<u64>,
+    /// Runs at the same time
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub jobs: u32,
+    /// Folder for verdict.html and junit.xml
+    #[arg(long, default_value = "out/hil", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The network is already one of its own
+    #[arg(long, hide = true)]
+    pub isolated: bool,
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-pub use hil::DoctorArgs;
+pub use hil::{DoctorArgs, HilAction, HilArgs, HilRunArgs};
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
@@ -63,6 +63,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix
     Doctor(DoctorArgs),
+    /// Run a bench with injected faults and write its verdict
+    Hil(HilArgs),
     /// Pack FMUs, or look into one
     Fmu(FmuArgs),
     /// Print a completion script for a shell

@@ -3,6 +3,7 @@
 mod check;
 mod doctor;
 mod fmu;
+mod hil;
 mod network;
 mod race;
 mod race_table;
@@ -60,6 +61,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Replay(args) => network::replay(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Hil(args) => hil::run(&args, talk),
         Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.

@@ -19,6 +19,8 @@ use crate::vehicle::Vehicle;
 /// How often the state is said again while nobody answers it.
 const REPEAT: Duration = Duration::from_millis(200);
 const SILENCE_NS: i64 = 1_000_000_000;
+/// An older command is refused on arrival: two and a half periods of 0.1 s.
+const MAX_AGE_NS: i64 = 250_000_000;
 const SOURCE_NONE: i8 = 0;
 const SOURCE_COMMAND: i8 = 1;
 const SOURCE_PLAN: i8 = 2;
@@ -95,7 +97,7 @@ impl Car {
         network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
         Ok(Self {
-            guard: Guard::new(SILENCE_NS, SILENCE_NS / 4, host),
+            guard: Guard::new(MAX_AGE_NS, SILENCE_NS / 4, host),
             states: Outlet::new(network, &identity, channels::STATE),
             reports: Outlet::new(network, &identity, channels::ACTUATION),
             boot_id: identity.boot_id,

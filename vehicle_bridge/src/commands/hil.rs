@@ -1,0 +1,113 @@
+//! `lmpc hil`.
+
+use std::os::unix::process::CommandExt as _;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context as _, Result, bail};
+use comfy_table::{Table, presets};
+
+use super::Outcome;
+use crate::check::check_file;
+use crate::cli::{HilAction, HilArgs, HilRunArgs};
+use crate::console::{BAD, GOOD, Talk, paint, result};
+use crate::hil::{Bench, Verdict, execute, verdict};
+
+/// Sets up a network of its own and runs the rest of the command line there.
+const ISOLATE: &str = "ip link set lo up && ip link set lo multicast on && \
+    ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
+
+/// Runs a bench.
+pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
+    let HilAction::Run(args) = &args.action;
+    if !args.isolated {
+        return Err(isolate());
+    }
+    let bench = load(args)?;
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    let total: u32 = bench.scenarios.iter().map(|scenario| bench.repeats(scenario)).sum();
+    let mut count = 0;
+    let jobs = args.jobs as usize;
+    let verdicts = execute(&bench, std::env::current_exe()?, jobs, |scenario, run| {
+        count += 1;
+        if !run.broken.is_empty() {
+            let broken = run.broken.join("; ");
+            talk.say(&format!("{}, seed {}: {}", scenario.name, run.seed, paint(BAD, &broken)));
+        }
+        if count % 50 == 0 {
+            talk.say(&format!("{count} of {total} runs"));
+        }
+        Ok(())
+    })?;
+    let write = |name: &str, text: String| {
+        let path = args.out.join(name);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    };
+    write("junit.xml", verdict::junit(&bench, &verdicts))?;
+    write("verdict.html", verdict::page(&bench, &verdicts))?;
+    say(&verdicts, args)
+}
+
+fn say(verdicts: &[Verdict<'_>], args: &HilRunArgs) -> Result<Outcome> {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(HEAD);
+    for verdict in verdicts {
+        table.add_rows(verdict::rows(verdict));
+    }
+    for line in table.to_string().lines() {
+        result(line.trim_end())?;
+    }
+    result(&format!("page: {}", args.out.join("verdict.html").display()))?;
+    let failed: Vec<&str> = verdicts
+        .iter()
+        .filter(|verdict| verdict.failed() > 0)
+        .map(|verdict| verdict.scenario.name.as_str())
+        .collect();
+    if failed.is_empty() {
+        result(&paint(GOOD, "PASS"))?;
+        return Ok(Outcome::Done);
+    }
+    result(&paint(BAD, &format!("FAIL: {}", failed.join(", "))))?;
+    Ok(Outcome::Problems)
+}
+
+fn load(args: &HilRunArgs) -> Result<Bench> {
+    let text = std::fs::read_to_string(&args.bench)
+        .with_context(|| format!("cannot read {}", args.bench.display()))?;
+    let checked = check_file(&args.bench);
+    if let Some(first) = checked.problems.first() {
+        bail!("{}: {first}; `lmpc check {}` names all", checked.file, checked.file);
+    }
+    let mut bench: Bench = toml::from_str(&text)?;
+    if let Some(repeats) = args.repeats {
+        bench.repeats = repeats;
+        bench.scenarios.iter_mut().for_each(|scenario| scenario.repeats = None);
+    }
+    bench.seed = args.seed.unwrap_or(bench.seed);
+    if !args.scenarios.is_empty() {
+        bench.scenarios.retain(|s| args.scenarios.iter().any(|name| s.name.contains(name)));
+        if bench.scenarios.is_empty() {
+            bail!("no scenario is called {}", args.scenarios.join(" or "));
+        }
+    }
+    Ok(bench)
+}
+
+/// Becomes the same program in a network namespace of its own; returns only if that fails.
+fn isolate() -> anyhow::Error {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let program = std::env::current_exe().unwrap_or_else(|_| Path::new("lmpc").to_owned());
+    // Root keeps its rights to real-time priority only without a user namespace.
+    let flags = if nix::unistd::geteuid().is_root() { "-n" } else { "-rn" };
+    let error = Command::new("unshare")
+        .args([flags, "sh", "-c", ISOLATE, "sh"])
+        .arg(program)
+        .args(arguments)
+        .arg("--isolated")
+        .exec();
+    anyhow::Error::new(error)
+        .context("no network of its own: `unshare` and `ip` are needed (util-linux, iproute2)")
+}

@@ -1,0 +1,238 @@
+//! What a bench file says: processes, scenarios, faults, expectations.
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use super::fault::Fault;
+use super::measure::Expectation;
+
+/// A bench file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bench {
+    /// Heading of the verdict.
+    pub title: String,
+    /// Car: a name or a file.
+    #[serde(default = "small_car")]
+    pub car: String,
+    /// Track: a name or a file.
+    #[serde(default = "short_track")]
+    pub track: String,
+    /// Runs of each scenario, each with a seed of its own, unless the scenario says otherwise. \[-\]
+    #[serde(default = "once")]
+    pub repeats: u32,
+    /// Seed of the first run. \[-\]
+    #[serde(default)]
+    pub seed: u64,
+    /// Whether the car side wants to be armed and started by the operator first.
+    #[serde(default)]
+    pub arming: bool,
+    /// What no run may ever send to the actuators.
+    pub output: OutputLimits,
+    /// Processes a scenario may start.
+    #[serde(default, rename = "process")]
+    pub processes: Vec<Process>,
+    /// Scenarios.
+    #[serde(rename = "scenario")]
+    pub scenarios: Vec<Scenario>,
+}
+
+/// Limits of everything on `CAR/ACT`, in every run.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputLimits {
+    /// Hardest braking. \[m/s^2\]
+    pub accel_min_mps2: f64,
+    /// Hardest driving. \[m/s^2\]
+    pub accel_max_mps2: f64,
+    /// Steering angle to either side. \[rad\]
+    pub steer_rad: f64,
+    /// Fastest change of the steering angle from one report to the next. \[rad/s\]
+    pub steer_rate_radps: f64,
+    /// Time between two reports. \[s\]
+    #[serde(default = "tick")]
+    pub tick_s: f64,
+}
+
+/// A program on the network.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Process {
+    /// What faults call it.
+    pub name: String,
+    /// Arguments; `{lmpc}` is this program, `{car_url}` and `{control_url}` the two networks with
+    /// the fault proxy between them, `{dir}` a folder that lives as long as the run, `{seed}` the
+    /// run's seed.
+    pub command: Vec<String>,
+    /// It is ready when this channel was heard; `HB/bridge` for example.
+    pub ready: Option<String>,
+}
+
+/// Who commands the car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The harness: centre-line tracking at a speed, with the real protocol.
+    #[default]
+    Light,
+    /// One of the processes, for example `lmpc serve`; the harness is only the operator.
+    Process,
+}
+
+/// One scenario.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Name in the verdict.
+    pub name: String,
+    /// Row of the fault table it covers.
+    pub row: Option<u32>,
+    /// What the row expects, in words.
+    #[serde(default)]
+    pub expected: String,
+    /// Runs; the bench's unless given. \[-\]
+    pub repeats: Option<u32>,
+    /// Processes to start, by name, in this order.
+    #[serde(default)]
+    pub processes: Vec<String>,
+    /// Who commands the car.
+    #[serde(default)]
+    pub source: Source,
+    /// Speed the light source drives at. \[m/s\]
+    #[serde(default = "two")]
+    pub speed_mps: f64,
+    /// When the faults begin to count.
+    #[serde(default)]
+    pub when: When,
+    /// How long is observed from there on. \[s\]
+    #[serde(default = "observe")]
+    pub observe_s: f64,
+    /// Longest time until `when` holds; longer is a failure of the run. \[s\]
+    #[serde(default = "patience")]
+    pub patience_s: f64,
+    /// Faults.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<Fault>,
+    /// What has to hold.
+    #[serde(default, rename = "expect")]
+    pub expectations: Vec<Expectation>,
+}
+
+/// When faults begin: every condition given has to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct When {
+    /// Time since the first command was applied, and up to 0.1 s more by the seed. \[s\]
+    pub driving_s: f64,
+    /// Speed. \[m/s\]
+    pub speed_mps: f64,
+    /// Position along the centre line, from here on and within 1 m. \[m\]
+    pub s_m: Option<f64>,
+    /// Laps begun. \[-\]
+    pub lap: i32,
+}
+
+impl Bench {
+    /// Every value that is out of range or names nothing.
+    #[must_use]
+    pub fn problems(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        let names: BTreeSet<&str> = self.processes.iter().map(|p| p.name.as_str()).collect();
+        if names.len() < self.processes.len() {
+            problems.push("process: two have the same name".to_owned());
+        }
+        if self.scenarios.is_empty() {
+            problems.push("scenario: none; expected at least one [[scenario]]".to_owned());
+        }
+        let mut seen = BTreeSet::new();
+        for scenario in &self.scenarios {
+            let at = format!("scenario `{}`", scenario.name);
+            if !seen.insert(&scenario.name) {
+                problems.push(format!("{at}: the name is taken by another scenario"));
+            }
+            for name in &scenario.processes {
+                if !names.contains(name.as_str()) {
+                    problems.push(format!("{at}: process `{name}` is not defined"));
+                }
+            }
+            if scenario.expectations.is_empty() {
+                problems.push(format!("{at}: expects nothing; add [[scenario.expect]]"));
+            }
+            let positive = [
+                ("observe_s", scenario.observe_s),
+                ("patience_s", scenario.patience_s),
+                ("speed_mps", scenario.speed_mps),
+            ];
+            for (key, value) in positive {
+                if !(value > 0.0 && value <= 3600.0) {
+                    problems
+                        .push(format!("{at}: {key} is {value}, expected above 0, at most 3600"));
+                }
+            }
+            for fault in &scenario.faults {
+                problems.extend(
+                    fault.problems(&scenario.processes).into_iter().map(|p| format!("{at}: {p}")),
+                );
+            }
+            problems.extend(
+                scenario
+                    .expectations
+                    .iter()
+                    .filter_map(Expectation::problem)
+                    .map(|p| format!("{at}: {p}")),
+            );
+        }
+        let o = &self.output;
+        if !(o.accel_min_mps2 < 0.0
+            && o.accel_max_mps2 > 0.0
+            && o.steer_rad > 0.0
+            && o.steer_rate_radps > 0.0)
+        {
+            problems.push(
+                "output: expected accel_min_mps2 below 0 and the other limits above 0".to_owned(),
+            );
+        }
+        problems
+    }
+
+    /// Runs of a scenario. \[-\]
+    #[must_use]
+    pub fn repeats(&self, scenario: &Scenario) -> u32 {
+        scenario.repeats.unwrap_or(self.repeats)
+    }
+
+    /// The process of this name.
+    #[must_use]
+    pub fn process(&self, name: &str) -> Option<&Process> {
+        self.processes.iter().find(|process| process.name == name)
+    }
+}
+
+fn small_car() -> String {
+    "barc".to_owned()
+}
+
+fn short_track() -> String {
+    "l".to_owned()
+}
+
+fn tick() -> f64 {
+    0.01
+}
+
+fn once() -> u32 {
+    1
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+fn observe() -> f64 {
+    0.6
+}
+
+fn patience() -> f64 {
+    15.0
+}

@@ -1,0 +1,301 @@
+//! The light source and the operator: commands and orders by the real protocol.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use lcm_types::{
+    ActuationCommand, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
+    VehicleState, channels,
+};
+use vehicle_model::{CarParams, Track};
+
+use super::fault::{Action, Fault, Order};
+use super::proxy::Start;
+use crate::network::outlet::{Identity, Outlet};
+use crate::network::realtime;
+use crate::transport::{Filter, Inbox, Transport, now};
+
+const PULSE: Duration = Duration::from_millis(100);
+/// Orders that are not acknowledged are said again.
+const REPEAT: Duration = Duration::from_millis(10);
+const ORDER_REPEAT: Duration = Duration::from_millis(100);
+/// A command is dead after the bridge's timeout. \[us\]
+const VALID_US: i32 = 100_000;
+/// Rise time of the speed loop. \[s\]
+const SPEED_TIME: f64 = 0.4;
+/// Distance over which a deviation decays. \[m\]
+const REACH: f64 = 0.9;
+
+/// How far the drive is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Progress {
+    /// First command sent, monotonic. \[ns\]
+    pub(super) driving_ns: Option<i64>,
+    /// Speed. \[m/s\]
+    pub(super) speed: f64,
+    /// Position. \[m\]
+    pub(super) s: f64,
+    /// Laps begun. \[-\]
+    pub(super) lap: i32,
+}
+
+/// What the driver is to do.
+#[derive(Debug, Clone)]
+pub(super) struct Task {
+    pub(super) car: CarParams,
+    pub(super) track: Arc<Track>,
+    pub(super) speed: f64,
+    /// Whether it sends commands, or leaves them to a process.
+    pub(super) commands: bool,
+    /// Whether the car side is to be armed first.
+    pub(super) arming: bool,
+    pub(super) faults: Vec<Fault>,
+}
+
+/// The running thread; ends when dropped.
+pub(super) struct Driver {
+    progress: Arc<Mutex<Progress>>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Driver {
+    /// Begins to answer states.
+    pub(super) fn start(network: &Arc<dyn Transport>, task: Task, start: &Start) -> Result<Self> {
+        let progress: Arc<Mutex<Progress>> = Arc::default();
+        let stop = Arc::new(AtomicBool::new(false));
+        let inbox = Inbox::queue(64);
+        let names = [channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
+        let names = names.map(str::to_owned).to_vec();
+        network.subscribe(Filter::Only(names), inbox.sink())?;
+        let mut source = Source {
+            inbox,
+            network: Arc::clone(network),
+            out: Outlets::new(network),
+            operator: Outlet::new(network, &Identity::new("operator"), channels::OPERATOR),
+            task,
+            start: Arc::clone(start),
+            progress: Arc::clone(&progress),
+            token: 0,
+            running: false,
+            request: 0,
+            acked: 0,
+            restarted: false,
+        };
+        let ended = Arc::clone(&stop);
+        let thread =
+            std::thread::Builder::new().name("hil-driver".to_owned()).spawn(move || {
+                let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
+                source.run(&ended);
+            })?;
+        Ok(Self { progress, stop, thread: Some(thread) })
+    }
+
+    /// How far it is.
+    pub(super) fn progress(&self) -> Progress {
+        *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic was printed when it happened.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What one start of the controller sends on.
+struct Outlets {
+    commands: Outlet,
+    pulse: Outlet,
+}
+
+impl Outlets {
+    fn new(network: &Arc<dyn Transport>) -> Self {
+        let identity = Identity::new("lmpc");
+        Self {
+            commands: Outlet::new(network, &identity, channels::COMMAND),
+            pulse: Outlet::new(network, &identity, "HB/lmpc"),
+        }
+    }
+}
+
+struct Source {
+    inbox: Inbox,
+    network: Arc<dyn Transport>,
+    out: Outlets,
+    operator: Outlet,
+    task: Task,
+    start: Start,
+    progress: Arc<Mutex<Progress>>,
+    token: i64,
+    running: bool,
+    request: i64,
+    acked: i64,
+    restarted: bool,
+}
+
+impl Source {
+    fn run(&mut self, stop: &AtomicBool) {
+        let (mut pulse, mut order) = (Instant::now(), Instant::now());
+        while !stop.load(Ordering::Relaxed) {
+            let nap = Instant::now() + REPEAT;
+            while let Some(received) = self.inbox.wait_until(nap) {
+                match received.channel.as_str() {
+                    channels::STATE => {
+                        if let Ok(state) = VehicleState::open(&received.payload) {
+                            self.state(&state);
+                        }
+                    }
+                    channels::OPERATOR_ACK => {
+                        if let Ok(ack) = OperatorAck::decode(&received.payload) {
+                            self.acked = self.acked.max(ack.request_id);
+                            self.grant(ack.arm_token, ack.state);
+                        }
+                    }
+                    _ => {
+                        if let Ok(beat) = Heartbeat::decode(&received.payload) {
+                            self.grant(beat.arm_token, beat.state);
+                        }
+                    }
+                }
+            }
+            if Instant::now() >= pulse {
+                pulse = Instant::now() + PULSE;
+                self.beat();
+            }
+            if self.stopping() {
+                self.faulty_orders();
+            } else if self.task.arming && !self.running && Instant::now() >= order {
+                order = Instant::now() + ORDER_REPEAT;
+                let command =
+                    if self.token == 0 { OperatorCommand::ARM } else { OperatorCommand::START };
+                self.order(command);
+            }
+        }
+    }
+
+    fn grant(&mut self, token: i64, state: i8) {
+        // After the faults begin nobody arms again by itself.
+        if self.start.load(Ordering::Acquire) == i64::MAX {
+            self.token = token;
+            self.running = state == Heartbeat::RUNNING;
+        }
+    }
+
+    fn stopping(&self) -> bool {
+        self.start.load(Ordering::Acquire) != i64::MAX
+    }
+
+    /// Whether a fault of this kind acts now.
+    fn acts(&self, is: impl Fn(&Action) -> bool) -> bool {
+        let start = self.start.load(Ordering::Acquire);
+        let since = now().mono_ns.saturating_sub(start);
+        start != i64::MAX
+            && self.task.faults.iter().any(|fault| {
+                let (from, until) = fault.window_ns();
+                is(&fault.action) && (from..until).contains(&since)
+            })
+    }
+
+    fn faulty_orders(&mut self) {
+        for (order, command) in
+            [(Order::Estop, OperatorCommand::ESTOP), (Order::Stop, OperatorCommand::STOP)]
+        {
+            let asked = self.acts(|a| matches!(a, Action::Order { order: o } if *o == order));
+            let first = self.request;
+            if asked
+                && self.acked < i64::MAX
+                && (self.acked == 0 || self.acked < first || first == 0)
+            {
+                for _ in 0..3 {
+                    self.order(command);
+                }
+            }
+        }
+    }
+
+    fn order(&mut self, command: i8) {
+        self.request += 1;
+        let message = OperatorCommand {
+            h: self.operator.header(),
+            command,
+            request_id: self.request,
+            arm_token: self.token,
+            deadman: true,
+            reason: "bench".to_owned(),
+            ..OperatorCommand::default()
+        };
+        // What the network refuses is lost, as anything may be.
+        let _ = self.operator.send_sealed(&message);
+    }
+
+    fn beat(&mut self) {
+        if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {
+            return;
+        }
+        let message = Heartbeat {
+            h: self.out.pulse.header(),
+            state: Heartbeat::RUNNING,
+            arm_token: self.token,
+            ..Heartbeat::default()
+        };
+        let _ = self.out.pulse.send(&message);
+    }
+
+    fn state(&mut self, state: &VehicleState) {
+        {
+            let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+            (progress.speed, progress.s, progress.lap) =
+                (state.vx, state.frenet.s, state.frenet.lap);
+            if progress.driving_ns.is_none() && (!self.task.arming || self.running) {
+                progress.driving_ns = Some(now().mono_ns);
+            }
+        }
+        if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {
+            return;
+        }
+        if !self.restarted && self.acts(|a| matches!(a, Action::SourceRestart {})) {
+            self.restarted = true;
+            self.token = 0;
+            self.out = Outlets::new(&self.network);
+        }
+        let (accel, steer) = self.track(state);
+        let plan: Vec<f32> = vec![0.0; 10];
+        #[expect(clippy::cast_possible_truncation, reason = "the plan is in single precision")]
+        let message = ActuationCommand {
+            h: self.out.commands.header(),
+            state_boot_id: state.h.boot_id,
+            state_seq: state.h.seq,
+            state_mono_ns: state.meas_mono_ns,
+            valid_for_us: VALID_US,
+            arm_token: self.token,
+            enable: true,
+            mode: ActuationCommand::MODE_DRIVE,
+            accel,
+            steer,
+            n_plan: 10,
+            plan_dt: 0.01,
+            plan_steer: vec![steer as f32; 10],
+            plan_accel: plan,
+            ..ActuationCommand::default()
+        };
+        let _ = self.out.commands.send_sealed(&message);
+    }
+
+    /// Along the centre line at the speed asked for: acceleration and steering angle.
+    fn track(&self, state: &VehicleState) -> (f64, f64) {
+        let (car, f) = (&self.task.car, &state.frenet);
+        let kappa = self.task.track.kappa(f.s);
+        let wanted = kappa - f.e_y / (REACH * REACH) - 2.0 * f.e_psi.sin() / REACH;
+        let steer = ((car.l_f + car.l_r) * wanted).atan().clamp(-car.delta_max, car.delta_max);
+        let accel = ((self.task.speed - state.vx) / SPEED_TIME).clamp(car.a_min, car.a_max);
+        (accel, steer)
+    }
+}

@@ -1,0 +1,117 @@
+//! What a run measures, and the limits of it.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// What can be measured; each name ends in its unit, counts have none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// From the last valid command that reached the car side to the first report of a safe stop.
+    LossToStopMs,
+    /// From the fault's beginning to the first report of a safe stop.
+    FaultToStopMs,
+    /// From the first emergency stop that reached the car side to the first report that obeys.
+    EstopMs,
+    /// From the last valid command to the first report that comes from the fallback plan.
+    LossToPlanMs,
+    /// Reports beyond the bench's limits, or with a number that is none.
+    UnsafeOutputs,
+    /// Reports that drive by a command that was altered, too old, or not the source's.
+    BadApplied,
+    /// Changes from driving to stopping after the fault began.
+    Trips,
+    /// Reports that drive by the fallback plan.
+    PlanTicks,
+    /// Messages the car side's life sign counts as refused.
+    Refused,
+    /// States in which the car's centre was beyond the edge of the track.
+    OffTrack,
+    /// Processes that ended though nobody ended them.
+    Crashes,
+    /// Growth of the car side's memory. \[MB\]
+    MemoryMb,
+    /// Longest gap between two reports of the car side. \[ms\]
+    LongestGapMs,
+    /// Distance driven from the fault to standstill. \[m\]
+    StopDistanceM,
+}
+
+/// A limit on a measure.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expectation {
+    /// What is measured.
+    pub measure: Measure,
+    /// Largest value allowed.
+    pub most: Option<f64>,
+    /// Smallest value allowed.
+    pub least: Option<f64>,
+}
+
+/// Values of one run.
+pub type Values = BTreeMap<Measure, f64>;
+
+impl Measure {
+    /// The name in bench files.
+    #[must_use]
+    pub fn name(self) -> String {
+        serde_json::to_value(self)
+            .ok()
+            .and_then(|v| v.as_str().map(str::to_owned))
+            .unwrap_or_default()
+    }
+}
+
+impl Expectation {
+    pub(super) fn problem(&self) -> Option<String> {
+        let name = self.measure.name();
+        match (self.least, self.most) {
+            (None, None) => Some(format!("expect {name}: neither least nor most")),
+            (Some(least), Some(most)) if least > most => {
+                Some(format!("expect {name}: least {least} is above most {most}"))
+            }
+            _ => None,
+        }
+    }
+
+    /// The limit in words.
+    #[must_use]
+    pub fn limit(&self) -> String {
+        match (self.least, self.most) {
+            (Some(least), Some(most)) if least == most => format!("= {least}"),
+            (Some(least), Some(most)) => format!("{least} to {most}"),
+            (Some(least), None) => format!(">= {least}"),
+            (None, Some(most)) => format!("<= {most}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// Why values do not meet it; a value that is missing does not.
+    #[must_use]
+    pub fn broken(&self, values: &Values) -> Option<String> {
+        let name = self.measure.name();
+        let Some(&value) = values.get(&self.measure) else {
+            return Some(format!("{name}: never happened, limit {}", self.limit()));
+        };
+        let met = self.least.is_none_or(|l| value >= l) && self.most.is_none_or(|m| value <= m);
+        (!met).then(|| format!("{name}: {value:.4}, limit {}", self.limit()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_never_happened_breaks_every_limit() {
+        let limit = Expectation { measure: Measure::LossToStopMs, most: Some(110.0), least: None };
+        assert!(limit.broken(&Values::new()).is_some());
+        let with = |value| limit.broken(&Values::from([(Measure::LossToStopMs, value)]));
+        assert_eq!(
+            (with(110.0), with(110.1).is_some(), with(f64::NAN).is_some()),
+            (None, true, true)
+        );
+    }
+}

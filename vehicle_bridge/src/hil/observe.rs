@@ -1,0 +1,210 @@
+//! What the wire on the car's side says of a run: measured afterwards, from the stamps in the
+//! messages, so that a late observer does not count.
+
+use lcm_types::{ActuationReport, Checked as _, Heartbeat, Message as _, VehicleState, channels};
+use vehicle_model::Track;
+
+use super::bench::OutputLimits;
+use super::measure::{Measure, Values};
+use super::proxy::Passed;
+use crate::transport::{Inbox, Received};
+
+/// Rounding of what is compared with a limit. \[-\]
+const ROUNDING: f64 = 1e-6;
+const COMMAND: i8 = 1;
+const PLAN: i8 = 2;
+const STOP: i8 = 3;
+
+/// A point of a run's picture.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Point {
+    /// Since the faults began. \[s\]
+    pub time: f64,
+    /// Speed. \[m/s\]
+    pub speed: f64,
+    /// Applied acceleration. \[m/s^2\]
+    pub accel: f64,
+    /// Applied steering angle. \[rad\]
+    pub steer: f64,
+    /// Where it came from, 0 to 3.
+    pub source: i8,
+}
+
+/// What was heard on the car's side.
+#[derive(Debug, Default)]
+pub(super) struct Heard {
+    reports: Vec<ActuationReport>,
+    states: Vec<VehicleState>,
+    beats: Vec<Heartbeat>,
+}
+
+impl Heard {
+    /// Everything in the inbox that was sent until then.
+    pub(super) fn of(inbox: &Inbox, until_ns: i64) -> Self {
+        let mut heard = Self::default();
+        while let Some(Received { channel, payload, .. }) = inbox.take() {
+            match channel.as_str() {
+                channels::ACTUATION => heard.reports.extend(ActuationReport::open(&payload).ok()),
+                channels::STATE => heard.states.extend(VehicleState::open(&payload).ok()),
+                "HB/bridge" => heard.beats.extend(Heartbeat::decode(&payload).ok()),
+                _ => {}
+            }
+        }
+        // What follows the observation is the end of the programs.
+        heard.reports.retain(|report| report.h.mono_ns <= until_ns);
+        heard.states.retain(|state| state.h.mono_ns <= until_ns);
+        heard
+    }
+
+    /// Everything that can be measured, with the faults beginning at `start_ns`.
+    pub(super) fn values(
+        &self,
+        start_ns: i64,
+        passed: &Passed,
+        limits: &OutputLimits,
+        track: &Track,
+    ) -> Values {
+        let mut values = Values::new();
+        let after: Vec<_> = self.reports.iter().filter(|r| r.h.mono_ns >= start_ns).collect();
+        let ms = |from: i64, to: i64| (to - from) as f64 * 1e-6;
+        let first = |source: &dyn Fn(&ActuationReport) -> bool, from: i64| {
+            after.iter().find(|r| r.h.mono_ns >= from && source(r)).map(|r| r.h.mono_ns)
+        };
+        let stops = |r: &ActuationReport| r.source == STOP || !r.enabled;
+        let stop = first(&stops, start_ns);
+        let last_command =
+            |before: i64| passed.commands.iter().rev().find(|c| c.2 <= before).map(|c| c.2);
+        if let Some(stop) = stop {
+            values.insert(Measure::FaultToStopMs, ms(start_ns, stop));
+            if let Some(last) = last_command(stop) {
+                values.insert(Measure::LossToStopMs, ms(last, stop));
+            }
+        }
+        let planned = first(&|r| r.source == PLAN, start_ns);
+        if let Some((plan, last)) = planned.and_then(|plan| Some((plan, last_command(plan)?))) {
+            values.insert(Measure::LossToPlanMs, ms(last, plan));
+        }
+        if let Some(estop) = passed.estop_ns
+            && let Some(obeyed) = first(&stops, estop)
+        {
+            values.insert(Measure::EstopMs, ms(estop, obeyed));
+        }
+        let count =
+            |is: &dyn Fn(&ActuationReport) -> bool| after.iter().filter(|r| is(r)).count() as f64;
+        values.insert(Measure::PlanTicks, count(&|r| r.source == PLAN));
+        let known = |r: &ActuationReport| {
+            passed.commands.iter().any(|c| (c.0, c.1) == (r.cmd_boot_id, r.cmd_seq))
+        };
+        values.insert(Measure::BadApplied, count(&|r| r.source == COMMAND && !known(r)));
+        let all = self.reports.windows(2);
+        let beyond = all.filter(|pair| is_unsafe(&pair[0], &pair[1], limits)).count();
+        values.insert(Measure::UnsafeOutputs, beyond as f64);
+        let drives = |r: &ActuationReport| r.enabled && matches!(r.source, COMMAND | PLAN);
+        let trips = after.windows(2).filter(|p| drives(p[0]) && stops(p[1])).count();
+        values.insert(Measure::Trips, trips as f64);
+        let gaps = after.windows(2).map(|p| ms(p[0].h.mono_ns, p[1].h.mono_ns));
+        values.insert(Measure::LongestGapMs, gaps.fold(0.0, f64::max));
+        self.of_states(start_ns, track, &mut values);
+        self.of_beats(start_ns, &mut values);
+        values
+    }
+
+    fn of_states(&self, start_ns: i64, track: &Track, values: &mut Values) {
+        let off = self.states.iter().filter(|state| {
+            let f = &state.frenet;
+            f.e_y > track.width_left(f.s) || -f.e_y > track.width_right(f.s)
+        });
+        values.insert(Measure::OffTrack, off.count() as f64);
+        let after: Vec<_> = self.states.iter().filter(|s| s.h.mono_ns >= start_ns).collect();
+        if after.last().is_some_and(|state| state.vx < 0.05) {
+            let way =
+                after.windows(2).map(|p| (p[1].h.mono_ns - p[0].h.mono_ns) as f64 * 1e-9 * p[0].vx);
+            values.insert(Measure::StopDistanceM, way.sum());
+        }
+    }
+
+    fn of_beats(&self, start_ns: i64, values: &mut Values) {
+        let before = self.beats.iter().rev().find(|beat| beat.h.mono_ns <= start_ns);
+        if let (Some(first), Some(last)) = (before, self.beats.last()) {
+            let refused = |b: &Heartbeat| b.rx_bad + b.rx_old + b.rx_stale;
+            values.insert(Measure::Refused, (refused(last) - refused(first)) as f64);
+            values.insert(Measure::MemoryMb, f64::from(last.rss_mb - first.rss_mb));
+        }
+    }
+
+    /// The picture: one point for each report, thinned to a few hundred.
+    pub(super) fn points(&self, start_ns: i64) -> Vec<Point> {
+        let every = self.reports.len().div_ceil(400).max(1);
+        let speed = |at: i64| {
+            self.states.iter().rev().find(|s| s.h.mono_ns <= at).map_or(f64::NAN, |s| s.vx)
+        };
+        let point = |r: &ActuationReport| Point {
+            time: (r.h.mono_ns - start_ns) as f64 * 1e-9,
+            speed: speed(r.h.mono_ns),
+            accel: r.accel,
+            steer: r.steer,
+            source: r.source,
+        };
+        self.reports.iter().step_by(every).map(point).collect()
+    }
+}
+
+fn is_unsafe(before: &ActuationReport, after: &ActuationReport, limits: &OutputLimits) -> bool {
+    if !(after.accel.is_finite() && after.steer.is_finite()) {
+        return true;
+    }
+    let accel = limits.accel_min_mps2 - ROUNDING..=limits.accel_max_mps2 + ROUNDING;
+    let gap = ((after.h.seq - before.h.seq).max(1) as f64 * limits.tick_s).max(limits.tick_s);
+    let rate = (after.steer - before.steer).abs() / gap;
+    !accel.contains(&after.accel)
+        || after.steer.abs() > limits.steer_rad + ROUNDING
+        || rate > limits.steer_rate_radps * (1.0 + ROUNDING)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+
+    use super::*;
+    use lcm_types::Header;
+
+    const MS: i64 = 1_000_000;
+
+    fn report(tick: i64, source: i8, steer: f64) -> ActuationReport {
+        let h = Header { mono_ns: tick * 10 * MS, seq: tick, ..Header::default() };
+        let (enabled, cmd_seq) = (source == COMMAND || source == PLAN, tick);
+        ActuationReport { h, source, enabled, cmd_seq, steer, ..ActuationReport::default() }
+    }
+
+    #[test]
+    fn reactions_and_unsafe_outputs_come_from_the_stamps() {
+        let sources = [1, 1, 1, 2, 2, 3, 3];
+        let mut reports: Vec<_> =
+            sources.iter().zip(0..).map(|(source, tick)| report(tick, *source, 0.0)).collect();
+        reports[6].steer = 0.2;
+        let heard = Heard { reports, ..Heard::default() };
+        let passed =
+            Passed { commands: vec![(0, 0, -MS), (0, 1, 9 * MS), (0, 2, 19 * MS)], estop_ns: None };
+        let limits = OutputLimits {
+            accel_min_mps2: -2.0,
+            accel_max_mps2: 2.0,
+            steer_rad: 0.4,
+            steer_rate_radps: 10.0,
+            tick_s: 0.01,
+        };
+        let track = Track::builtin("l").unwrap();
+        let values = heard.values(10 * MS, &passed, &limits, &track);
+        let expected = [
+            (Measure::LossToStopMs, 31.0),
+            (Measure::LossToPlanMs, 11.0),
+            (Measure::FaultToStopMs, 40.0),
+            (Measure::UnsafeOutputs, 1.0),
+            (Measure::BadApplied, 0.0),
+            (Measure::PlanTicks, 2.0),
+            (Measure::Trips, 1.0),
+        ];
+        for (measure, value) in expected {
+            assert!((values[&measure] - value).abs() < 1e-9, "{measure:?}: {values:?}");
+        }
+    }
+}

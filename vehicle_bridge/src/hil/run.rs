@@ -1,0 +1,229 @@
+//! One run of a scenario: start, drive, inject, observe, end.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail};
+use lcm_types::channels;
+use vehicle_model::{CarParams, Track};
+
+use super::bench::{Bench, Scenario, Source};
+use super::driver::{Driver, Progress, Task};
+use super::fault::Action;
+use super::measure::{Measure, Values};
+use super::observe::{Heard, Point};
+use super::process::Program;
+use super::proxy::Proxy;
+use super::random::Random;
+use crate::network::convert::nanoseconds;
+use crate::transport::{self, Filter, Inbox, Url, now};
+
+/// A program has this long to be heard.
+const READY: Duration = Duration::from_secs(5);
+const LOOK: Duration = Duration::from_millis(2);
+/// Faults begin up to this much later, by the seed: at any phase of a period. \[s\]
+const PHASE: f64 = 0.1;
+/// Messages of a run on the car's side. \[-\]
+const HEARD: usize = 1 << 16;
+/// Positions this near to the one asked for count. \[m\]
+const NEAR: f64 = 1.0;
+
+/// What a run needs beside its scenario.
+pub(super) struct Place<'a> {
+    pub(super) bench: &'a Bench,
+    pub(super) car: CarParams,
+    pub(super) track: Arc<Track>,
+    /// This program.
+    pub(super) lmpc: PathBuf,
+}
+
+/// What a run gave.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// Its seed.
+    pub seed: u64,
+    /// What was measured.
+    pub values: Values,
+    /// Limits that were broken; empty if it passed.
+    pub broken: Vec<String>,
+    /// Picture.
+    pub points: Vec<Point>,
+    /// How long it took. \[s\]
+    pub duration: f64,
+}
+
+/// Runs a scenario once on the networks of this pair of ports.
+pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> Outcome {
+    let begun = Instant::now();
+    let mut outcome = Outcome { seed, ..Outcome::default() };
+    match drive(place, scenario, seed, ports) {
+        Ok((values, points)) => {
+            let limits = scenario.expectations.iter();
+            outcome.broken = limits.filter_map(|limit| limit.broken(&values)).collect();
+            (outcome.values, outcome.points) = (values, points);
+            // No scenario needs to say this, and none may allow it.
+            for measure in [Measure::UnsafeOutputs, Measure::Crashes] {
+                if let Some(&count) = outcome.values.get(&measure)
+                    && count > 0.0
+                    && !scenario.expectations.iter().any(|e| e.measure == measure)
+                {
+                    outcome.broken.push(format!("{}: {count}, limit <= 0", measure.name()));
+                }
+            }
+        }
+        Err(error) => outcome.broken.push(format!("{error:#}")),
+    }
+    outcome.duration = begun.elapsed().as_secs_f64();
+    outcome
+}
+
+fn drive(
+    place: &Place<'_>,
+    scenario: &Scenario,
+    seed: u64,
+    ports: u16,
+) -> Result<(Values, Vec<Point>)> {
+    let url = |port: u16| format!("udpm://239.255.76.67:{port}?ttl=0");
+    let (control_url, car_url) = (url(ports), url(ports + 1));
+    let options = |url: &str| Url::parse(url)?.udpm_options();
+    let folder = Folder::new(ports)?;
+    let heard = Inbox::queue(HEARD);
+    let observer = transport::open(&car_url, None)?;
+    observer.subscribe(Filter::All, heard.sink())?;
+    let start = Arc::new(AtomicI64::new(i64::MAX));
+    let proxy = Proxy::start(
+        (&options(&control_url)?, &options(&car_url)?),
+        &scenario.faults,
+        &start,
+        seed,
+    )?;
+    let mut programs = Vec::new();
+    for name in &scenario.processes {
+        let process = place.bench.process(name).with_context(|| format!("process `{name}`"))?;
+        let fill = |text: &String| {
+            text.replace("{lmpc}", &place.lmpc.display().to_string())
+                .replace("{control_url}", &control_url)
+                .replace("{car_url}", &car_url)
+                .replace("{dir}", &folder.0.display().to_string())
+                .replace("{seed}", &seed.to_string())
+                .replace("{car}", &place.bench.car)
+                .replace("{track}", &place.bench.track)
+        };
+        let command: Vec<String> = process.command.iter().map(fill).collect();
+        let ready = Inbox::latest();
+        if let Some(channel) = &process.ready {
+            observer.subscribe(Filter::channel(channel), ready.sink())?;
+        }
+        let mut program = Program::start(name, &command, &folder.0)?;
+        let patience = Instant::now() + READY;
+        while process.ready.is_some() && ready.take().is_none() {
+            if program.crashed() || Instant::now() > patience {
+                bail!("process `{name}` did not become ready: {}", program.last_words());
+            }
+            std::thread::sleep(LOOK);
+        }
+        programs.push(program);
+    }
+    let control = transport::open(&control_url, None)?;
+    let task = Task {
+        car: place.car.clone(),
+        track: Arc::clone(&place.track),
+        speed: scenario.speed_mps,
+        commands: scenario.source == Source::Light,
+        arming: place.bench.arming,
+        faults: scenario.faults.clone(),
+    };
+    let driver = Driver::start(&control, task, &start)?;
+    let phase = PHASE * Random::new(seed ^ 0x7ab1e).unit();
+    let begins = wait(scenario, &driver, phase)?;
+    start.store(begins, Ordering::Release);
+    inject(scenario, &mut programs, begins)?;
+    let crashes = programs.iter_mut().filter_map(|p| p.crashed().then(|| p.name.clone())).count();
+    let ended = now().mono_ns;
+    drop(driver);
+    let passed = proxy.passed();
+    drop(programs);
+    let heard = Heard::of(&heard, ended);
+    let mut values = heard.values(begins, &passed, &place.bench.output, &place.track);
+    values.insert(Measure::Crashes, crashes as f64);
+    Ok((values, heard.points(begins)))
+}
+
+/// Waits until the faults are to begin. \[ns\]
+fn wait(scenario: &Scenario, driver: &Driver, phase: f64) -> Result<i64> {
+    let when = &scenario.when;
+    let patience = Instant::now() + Duration::from_secs_f64(scenario.patience_s);
+    loop {
+        let Progress { driving_ns, speed, s, lap } = driver.progress();
+        if let Some(begun) = driving_ns {
+            let due = begun + nanoseconds(when.driving_s + phase);
+            let there = when.s_m.is_none_or(|at| (at..at + NEAR).contains(&s));
+            if now().mono_ns >= due && speed >= when.speed_mps && lap >= when.lap && there {
+                return Ok(now().mono_ns);
+            }
+        }
+        if Instant::now() > patience {
+            let state = if driving_ns.is_some() { "drives" } else { "was never armed" };
+            bail!(
+                "the scenario's `when` did not come within {} s: the car {state}, {speed:.2} m/s, \
+                 s = {s:.2} m, lap {lap}; {} is silent or the car side refuses",
+                scenario.patience_s,
+                channels::STATE
+            );
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Does to the processes what the faults say, until the observation ends.
+fn inject(scenario: &Scenario, programs: &mut [Program], begins: i64) -> Result<()> {
+    let end = begins + nanoseconds(scenario.observe_s);
+    let mut done = vec![false; scenario.faults.len()];
+    while now().mono_ns < end {
+        let since = now().mono_ns - begins;
+        for (fault, done) in scenario.faults.iter().zip(&mut done) {
+            let (from, until) = fault.window_ns();
+            let (Action::Kill { process } | Action::Stop { process } | Action::Restart { process }) =
+                &fault.action
+            else {
+                continue;
+            };
+            let Some(program) = programs.iter_mut().find(|p| p.name == *process) else { continue };
+            if since >= from && !*done {
+                *done = true;
+                match fault.action {
+                    Action::Kill { .. } => program.kill(),
+                    Action::Restart { .. } => program.restart()?,
+                    _ => program.stop(),
+                }
+            }
+            if since >= until {
+                program.go_on();
+            }
+        }
+        std::thread::sleep(LOOK);
+    }
+    Ok(())
+}
+
+/// A folder that is removed with its run.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(ports: u16) -> Result<Self> {
+        let path = std::env::temp_dir().join(format!("lmpc-hil-{}-{ports}", std::process::id()));
+        std::fs::create_dir_all(&path)
+            .with_context(|| format!("cannot make {}", path.display()))?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let path: &Path = &self.0;
+        // What stays behind is in the system's folder for such things.
+        let _ = std::fs::remove_dir_all(path);
+    }
+}

@@ -1,0 +1,73 @@
+//! `lmpc hil run` against a simulated car in another process, in a network of its own.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use vehicle_bridge::check::check_file;
+
+fn bench(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../bench").join(name)
+}
+
+/// Runs a bench file with one run of each scenario; what it said and the folder it wrote.
+fn run(file: &Path, name: &str, more: &[&str]) -> (Output, PathBuf) {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
+    command.args(["hil", "run"]).arg(file).args(["--repeats", "1", "--jobs", "1", "--out"]);
+    let output = command.arg(&out).args(more).output().unwrap();
+    (output, out)
+}
+
+#[test]
+fn the_shipped_benches_have_no_problems() {
+    for name in ["faults.toml", "quick.toml"] {
+        assert_eq!(check_file(&bench(name)).problems, vec![], "{name}");
+    }
+}
+
+#[test]
+fn what_must_not_disturb_the_drive_does_not() {
+    let more = ["--scenario", "swapped", "--scenario", "fragments"];
+    let (output, out) = run(&bench("quick.toml"), "hil-pass", &more);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.ends_with("PASS\n"), "{text} {output:?}");
+    let junit = std::fs::read_to_string(out.join("junit.xml")).unwrap();
+    assert!(junit.contains("tests=\"2\" failures=\"0\""), "{junit}");
+    let page = std::fs::read_to_string(out.join("verdict.html")).unwrap();
+    assert!(page.contains("<svg") && !page.contains("http"), "no picture, or one from elsewhere");
+}
+
+#[test]
+fn a_broken_limit_fails_the_bench_by_name() {
+    let text = std::fs::read_to_string(bench("quick.toml")).unwrap();
+    let swapped = text.find("name = \"pairs swapped\"").unwrap();
+    let (head, tail) = text.split_at(swapped);
+    let wrong = tail.replacen("swap = {}", "drop = {}", 1);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wrong.toml");
+    std::fs::write(&file, format!("{head}{wrong}")).unwrap();
+    let (output, out) = run(&file, "hil-fail", &["--scenario", "swapped"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.ends_with("FAIL: pairs swapped\n"), "{text}");
+    let junit = std::fs::read_to_string(out.join("junit.xml")).unwrap();
+    assert!(
+        junit.contains("<failure type=\"limit\" message=\"trips: 1.0000, limit &lt;= 0\">"),
+        "{junit}"
+    );
+}
+
+#[test]
+fn mistakes_in_a_bench_are_named() {
+    let text = std::fs::read_to_string(bench("quick.toml")).unwrap();
+    let wrong = text.replacen("processes = [\"car\"]", "processes = [\"cra\"]", 1).replacen(
+        "most = 110",
+        "least = 2\nmost = 1",
+        1,
+    );
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mistakes.toml");
+    std::fs::write(&file, wrong).unwrap();
+    let problems = check_file(&file).problems;
+    let text = format!("{problems:?}");
+    assert!(problems.len() == 2 && text.contains("`cra`") && text.contains("least 2"), "{text}");
+}
