@@ -125,6 +125,20 @@ impl Controller {
         self.work.prepare(&self.setup, &self.memory, probe);
     }
 
+    /// Changes the speed that plans keep to from the next step on; 0 takes the cap away \[m/s\].
+    ///
+    /// The configuration, and with it what learned data belong to, stays as it is. Warm-up laps
+    /// have a speed of their own.
+    ///
+    /// # Errors
+    /// [`ConfigError::Values`] outside the range of `limits.speed_cap`; nothing is changed then.
+    pub fn set_speed_cap(&mut self, cap: f64) -> Result<(), ConfigError> {
+        let mut config = self.setup.config.clone();
+        config.limits.speed_cap = cap;
+        self.work.set_speed_cap(&config.checked()?);
+        Ok(())
+    }
+
     /// The latest plan in the frame of the current lap; empty before learning begins.
     #[must_use]
     pub fn plan(&self) -> &Plan {

@@ -51,6 +51,10 @@ impl Workspace {
         }
     }
 
+    pub(crate) fn set_speed_cap(&mut self, config: &Config) {
+        self.problem.speed_max = bound(config.limits.speed_cap);
+    }
+
     /// Everything that does not need the measurement: model, safe set, lane and guards.
     pub(crate) fn prepare(&mut self, setup: &Setup, memory: &Memory, probe: &mut impl Probe) {
         probe.begin(Phase::Linearize);

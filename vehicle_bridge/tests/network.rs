@@ -1,10 +1,9 @@
 //! `lmpc serve` and `lmpc vehicle sim` in two processes over real multicast.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
-use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use common::{MULTICAST, URL, isolated};
+use common::{MULTICAST, Program, URL, isolated};
 use controller::{Action, Config, Controller};
 use lcm_types::eventlog::Writer;
 use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
@@ -22,22 +21,9 @@ const WARM_UP: &str = "warm_up.laps=1";
 const PLANT: &str = "mu=0.85,noise=0.001";
 const SEED: u64 = 3;
 
-/// A process that ends with the test.
-struct Program(Child);
-
-impl Program {
-    fn start(arguments: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
-        command.args(arguments).args(["--url", URL, "--set", WARM_UP, "--seed", &SEED.to_string()]);
-        Self(command.stdout(Stdio::null()).spawn().unwrap())
-    }
-}
-
-impl Drop for Program {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+fn start(arguments: &[&str]) -> Program {
+    let seed = SEED.to_string();
+    Program::start(&[arguments, &["--url", URL, "--set", WARM_UP, "--seed", &seed]].concat())
 }
 
 /// What the two processes are given.
@@ -77,11 +63,11 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         };
         let (states, commands) = (inbox(channels::STATE), inbox(channels::COMMAND));
         let alive = inbox("HB/lmpc");
-        let _serve = Program::start(&["serve"]);
+        let _serve = start(&["serve"]);
         alive.wait(PATIENCE).expect("a life sign of `lmpc serve`");
         let steps = STEPS.to_string();
         let mut car =
-            Program::start(&["vehicle", "sim", "--lock-step", "--steps", &steps, "--plant", PLANT]);
+            start(&["vehicle", "sim", "--lock-step", "--steps", &steps, "--plant", PLANT]);
         let status = car.0.wait().unwrap();
         assert!(matches!(status.code(), Some(0 | 3)), "{status}");
 

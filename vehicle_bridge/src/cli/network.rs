@@ -159,8 +159,8 @@ Examples:
   lmpc replay drive.log
   lmpc replay drive.log --load l.lmpc        a drive that began with learned data
 
-Car, track, configuration and seed must be those of the drive. Exit code 1 if a command comes
-out otherwise. A drive under an operator's speed cap does not come out again.";
+Car, track, configuration and seed must be those of the drive. The operator's orders are
+read from the log (OP/CMD, OP/ACK). Exit code 1 if a command comes out otherwise.";
 
 /// Options of `lmpc record`.
 #[derive(Debug, Args)]

@@ -1,6 +1,33 @@
 //! The operator's orders to the service: start, stop, emergency stop, speed cap. Pure.
 
+use controller::Controller;
 use lcm_types::{ActuationCommand, Heartbeat, OperatorCommand};
+use vehicle_model::Input;
+
+/// The controller's input, cut where it would take the car past the operator's cap within a period.
+///
+/// The cap is in the controller's plans too, but there it is soft, and warm-up laps have none.
+#[must_use]
+pub fn capped(input: Input, v_x: f64, cap: Option<f64>, controller: &Controller) -> Input {
+    let Some(cap) = cap else { return input };
+    let most = ((cap - v_x) / controller.config().horizon.period).max(controller.car().a_min);
+    Input { a: input.a.min(most), ..input }
+}
+
+/// What the controller's plans keep to: the operator's cap or, without, that of its configuration,
+/// whichever is lower. 0 is none. \[m/s\]
+#[must_use]
+pub fn plan_cap(cap: Option<f64>, controller: &Controller) -> f64 {
+    let configured = controller.config().limits.speed_cap;
+    match cap {
+        Some(cap) if configured > 0.0 => cap.min(configured),
+        Some(cap) => cap,
+        None => configured,
+    }
+}
+
+/// Highest speed cap taken, that of the configuration. \[m/s\]
+const MAX_CAP: f64 = 1000.0;
 
 /// What the operator last decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,13 +78,13 @@ impl Authority {
             }
             OperatorCommand::START => self.state = Heartbeat::RUNNING,
             OperatorCommand::STOP => self.state = Heartbeat::SAFE_STOP,
-            OperatorCommand::SET_SPEED_CAP if order.value.is_finite() && order.value > 0.0 => {
+            OperatorCommand::SET_SPEED_CAP if order.value > 0.0 && order.value <= MAX_CAP => {
                 self.speed_cap = Some(order.value);
             }
             // 0 takes it away, as in the configuration.
             OperatorCommand::SET_SPEED_CAP if order.value == 0.0 => self.speed_cap = None,
             OperatorCommand::SET_SPEED_CAP => {
-                return Err(format!("speed cap {}: expected 0 or above [m/s]", order.value));
+                return Err(format!("speed cap {}: expected 0 to {MAX_CAP} [m/s]", order.value));
             }
             other => return Err(format!("order {other} is not known here")),
         }

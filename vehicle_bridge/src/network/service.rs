@@ -13,7 +13,7 @@ use vehicle_model::Input;
 
 use super::convert::{self, Answered, Order};
 use super::guard::{Accepted, Guard};
-use super::operator::Authority;
+use super::operator::{self, Authority};
 use super::outlet::{Identity, Outlet};
 use super::pulse::Pulse;
 use super::schedule::Schedule;
@@ -205,7 +205,8 @@ impl Service {
         let mut stopwatch = Stopwatch::start();
         let command = self.controller.step_probed(&measurement, &mut stopwatch);
         let time = stopwatch.stop();
-        let input = self.capped(command.input, state.vx);
+        let cap = self.authority.speed_cap;
+        let input = operator::capped(command.input, state.vx, cap, &self.controller);
         let cut = input != command.input;
         self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
         self.command(answered, ActuationCommand::MODE_DRIVE);
@@ -213,18 +214,6 @@ impl Service {
         self.overruns += i32::from(total > period);
         let (state_seq, overruns) = (answered.seq, self.overruns);
         self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
-    }
-
-    /// The input that does not take the car past the operator's cap within a period.
-    fn capped(&self, input: Input, v_x: f64) -> Input {
-        let period = self.controller.config().horizon.period;
-        match self.authority.speed_cap {
-            Some(cap) => {
-                let most = ((cap - v_x) / period).max(self.controller.car().a_min);
-                Input { a: input.a.min(most), ..input }
-            }
-            None => input,
-        }
     }
 
     fn command(&mut self, answered: Answered, mode: i8) {
@@ -302,6 +291,10 @@ impl Service {
             },
         };
         let answer = self.authority.obey(&order, self.last.map(|last| last.speed));
+        let cap = operator::plan_cap(self.authority.speed_cap, &self.controller);
+        // Both ends have the same range: what the authority took, the controller takes.
+        let answer = answer
+            .and_then(|()| self.controller.set_speed_cap(cap).map_err(|error| error.to_string()));
         let ack = OperatorAck {
             h: self.acks.header(),
             request_id: order.request_id,

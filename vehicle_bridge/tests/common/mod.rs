@@ -2,7 +2,7 @@
 //! other test hears it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
 /// The group of the tests.
 pub(crate) const URL: &str = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
@@ -30,4 +30,23 @@ pub(crate) fn isolated(test: &str, setup: &str, url: &str, body: impl FnOnce()) 
     let (out, err) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "in the namespace:\n{out}\n{err}");
     assert!(out.contains("1 passed"), "`{test}` is no test:\n{out}\n{err}");
+}
+
+/// A process of `lmpc` that ends with the test.
+#[allow(dead_code, reason = "not every test starts one")]
+pub(crate) struct Program(pub(crate) Child);
+
+#[allow(dead_code, reason = "not every test starts one")]
+impl Program {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
+        Self(command.args(arguments).stdout(Stdio::null()).spawn().unwrap())
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        let _ = self.0.kill(); // it may have ended
+        let _ = self.0.wait();
+    }
 }
