@@ -70,6 +70,12 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
             if lap.valid { "" } else { ", not valid" }
         ));
     });
+    let (effort, overruns) = service.effort();
+    talk.say(&format!(
+        "{} steps, {overruns} longer than a period; the longest took {:.2} ms from state to command",
+        effort.steps,
+        effort.longest * 1e3
+    ));
     Ok(Outcome::Done)
 }
 

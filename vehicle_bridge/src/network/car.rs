@@ -18,6 +18,8 @@ use crate::vehicle::Vehicle;
 
 /// How often the state is said again while nobody answers it.
 const REPEAT: Duration = Duration::from_millis(200);
+/// Messages on the commands' channel that may wait for the car. \[-\]
+const WAITING: usize = 1024;
 const SILENCE_NS: i64 = 1_000_000_000;
 /// An older command is refused on arrival: two and a half periods of 0.1 s.
 const MAX_AGE_NS: i64 = 250_000_000;
@@ -93,7 +95,7 @@ impl Car {
         network: &Arc<dyn Transport>,
     ) -> Result<Self> {
         let identity = Identity::new("car");
-        let commands = Inbox::queue(16);
+        let commands = Inbox::queue(WAITING);
         network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
         Ok(Self {

@@ -24,6 +24,8 @@ use crate::transport::{self, Filter, Inbox, Received, Transport};
 
 /// A silence this long lets another sender of states in. \[s\]
 const SILENCE: f64 = 1.0;
+/// Messages on the states' channel that may wait while the controller computes. \[-\]
+const WAITING: usize = 1024;
 /// Longest sleep, so that signals and orders are seen.
 const NAP: Duration = Duration::from_millis(20);
 
@@ -63,8 +65,18 @@ pub struct Service {
     seen: LapSeen,
     last: Option<Last>,
     overruns: i32,
+    effort: Effort,
     send_errors: u64,
     save_error: Option<String>,
+}
+
+/// The work so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Effort {
+    /// States answered by a step of the controller. \[-\]
+    pub steps: u64,
+    /// Longest time from a state's arrival to its command. \[s\]
+    pub longest: f64,
 }
 
 /// The last step.
@@ -93,7 +105,7 @@ impl Service {
     ) -> Result<Self> {
         let identity = Identity::new("lmpc");
         let outlet = |channel: &str| Outlet::new(network, &identity, channel);
-        let (states, orders) = (Inbox::latest(), Inbox::queue(64));
+        let (states, orders) = (Inbox::queue(WAITING), Inbox::queue(64));
         network.subscribe(Filter::channel(channels::STATE), states.sink())?;
         network.subscribe(Filter::channel(channels::OPERATOR), orders.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
@@ -115,6 +127,7 @@ impl Service {
             seen: LapSeen::new(key),
             last: None,
             overruns: 0,
+            effort: Effort::default(),
             send_errors: 0,
             save_error: None,
             options,
@@ -135,10 +148,9 @@ impl Service {
             }
             match self.states.wait_until(deadline.min(Instant::now() + NAP)) {
                 Some(received) => {
-                    if self.state(&received, on_lap) {
+                    if self.answer(received, on_lap) {
                         deadline = Instant::now() + period;
                     }
-                    self.states.recycle(received);
                 }
                 None if Instant::now() >= deadline => {
                     self.overdue();
@@ -152,23 +164,17 @@ impl Service {
         self.say_stop(ActuationCommand::MODE_SAFE_STOP);
     }
 
-    /// Takes a state; true if it was believed.
-    fn state(&mut self, received: &Received, on_lap: OnLap<'_>) -> bool {
-        let (arrival_ns, now_ns) = (received.arrival.mono_ns, transport::now().mono_ns);
-        let track_id = self.track_id;
-        let sane = |state: &VehicleState| {
-            state.quality > 0
-                && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
-        };
-        let times = (arrival_ns, now_ns);
-        let Ok(Accepted { message: state, fresh_start }) =
-            self.guard.check(&received.payload, times, |state| &state.h, sane)
-        else {
-            return false;
-        };
-        if fresh_start {
-            self.schedule.restart(state.meas_mono_ns, arrival_ns);
+    /// Answers the newest state that is believed; false if none was. All that wait are checked:
+    /// whatever else is sent on the channel displaces no state.
+    fn answer(&mut self, first: Received, on_lap: OnLap<'_>) -> bool {
+        let (mut newest, mut next) = (None, Some(first));
+        for _ in 0..WAITING {
+            let Some(received) = next else { break };
+            newest = self.believe(&received).map(|s| (s, received.arrival.mono_ns)).or(newest);
+            self.states.recycle(received);
+            next = self.states.take();
         }
+        let Some((state, arrival_ns)) = newest else { return false };
         match self.authority.mode() {
             ActuationCommand::MODE_DRIVE => self.drive(&state, arrival_ns, on_lap),
             mode => {
@@ -177,6 +183,23 @@ impl Service {
             }
         }
         true
+    }
+
+    /// A state, if it is believed.
+    fn believe(&mut self, received: &Received) -> Option<VehicleState> {
+        let (arrival_ns, now_ns) = (received.arrival.mono_ns, transport::now().mono_ns);
+        let track_id = self.track_id;
+        let sane = |state: &VehicleState| {
+            state.quality > 0
+                && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
+        };
+        let times = (arrival_ns, now_ns);
+        let checked = self.guard.check(&received.payload, times, |state| &state.h, sane);
+        let Accepted { message: state, fresh_start } = checked.ok()?;
+        if fresh_start {
+            self.schedule.restart(state.meas_mono_ns, arrival_ns);
+        }
+        Some(state)
     }
 
     fn remember(&mut self, state: &VehicleState, arrival_ns: i64) {
@@ -212,6 +235,8 @@ impl Service {
         self.command(answered, ActuationCommand::MODE_DRIVE);
         let total = (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
         self.overruns += i32::from(total > period);
+        self.effort.steps += 1;
+        self.effort.longest = self.effort.longest.max(total);
         let (state_seq, overruns) = (answered.seq, self.overruns);
         self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
     }
@@ -329,6 +354,12 @@ impl Service {
             health.counts = counts;
             health.detail = detail.join("; ");
         });
+    }
+
+    /// The work so far, and how many steps took longer than a period.
+    #[must_use]
+    pub fn effort(&self) -> (Effort, i32) {
+        (self.effort, self.overruns)
     }
 
     /// The controller.

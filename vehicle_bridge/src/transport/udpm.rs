@@ -11,7 +11,7 @@ use std::time::Duration;
 use nix::sys::socket::{ControlMessageOwned, MsgFlags, SockaddrIn, recvmsg, setsockopt, sockopt};
 use socket2::{Domain, Protocol, Socket, Type};
 
-use super::datagram::{self, Datagram};
+use super::datagram::{self, Datagram, Fragment};
 use super::dispatch::{Dispatcher, Subscriber};
 use super::reassembly::{Outcome, Reassembly};
 use super::{
@@ -275,40 +275,34 @@ impl Receiver {
     }
 
     fn handle(&mut self, bytes: &[u8], source: SocketAddrV4, arrival: Arrival) {
-        let mut statistics = lock(&self.statistics);
-        let (sequence, channel, payload) = match datagram::parse(bytes) {
-            Some(Datagram::Short { sequence, channel, payload }) => (sequence, channel, payload),
-            Some(Datagram::Fragment(fragment)) => {
-                statistics.fragments += 1;
-                let given_up = self.reassembly.given_up();
-                statistics.expired = given_up.expired;
-                statistics.evicted = given_up.evicted;
-                match self.reassembly.insert(source, &fragment, arrival.mono_ns) {
-                    Outcome::Complete { channel, payload } => (fragment.sequence, channel, payload),
-                    Outcome::Incomplete => return,
-                    Outcome::Duplicate => {
-                        statistics.duplicate_fragments += 1;
-                        return;
-                    }
-                    Outcome::Refused => {
-                        statistics.malformed += 1;
-                        return;
-                    }
-                }
+        match datagram::parse(bytes) {
+            Some(Datagram::Short { sequence, channel, payload }) => {
+                let message = Message { channel, payload, arrival, sender: Some(source) };
+                // The loop that waits for it comes first, the books after.
+                hand_over(&mut self.dispatcher, &self.statistics, &message);
+                lock(&self.statistics).count(source, sequence, payload.len(), arrival.mono_ns);
             }
-            None => {
-                statistics.malformed += 1;
-                return;
-            }
-        };
-        statistics.count(source, sequence, payload.len(), arrival.mono_ns);
-        drop(statistics);
-        if channel != SELF_TEST {
-            let sender = Some(source);
-            self.dispatcher.deliver(&Message { channel, payload, arrival, sender });
+            Some(Datagram::Fragment(fragment)) => self.fragment(&fragment, source, arrival),
+            None => lock(&self.statistics).malformed += 1,
         }
-        if self.dispatcher.panics() > 0 {
-            lock(&self.statistics).sink_panics = self.dispatcher.panics();
+    }
+
+    fn fragment(&mut self, fragment: &Fragment<'_>, source: SocketAddrV4, arrival: Arrival) {
+        let mut statistics = lock(&self.statistics);
+        statistics.fragments += 1;
+        let given_up = self.reassembly.given_up();
+        statistics.expired = given_up.expired;
+        statistics.evicted = given_up.evicted;
+        match self.reassembly.insert(source, fragment, arrival.mono_ns) {
+            Outcome::Complete { channel, payload } => {
+                statistics.count(source, fragment.sequence, payload.len(), arrival.mono_ns);
+                drop(statistics);
+                let message = Message { channel, payload, arrival, sender: Some(source) };
+                hand_over(&mut self.dispatcher, &self.statistics, &message);
+            }
+            Outcome::Incomplete => {}
+            Outcome::Duplicate => statistics.duplicate_fragments += 1,
+            Outcome::Refused => statistics.malformed += 1,
         }
     }
 
@@ -318,5 +312,17 @@ impl Receiver {
         let mut statistics = lock(&self.statistics);
         statistics.expired = given_up.expired;
         statistics.evicted = given_up.evicted;
+    }
+}
+
+/// To the sinks, except what liblcm sends to itself.
+fn hand_over(dispatcher: &mut Dispatcher, statistics: &Mutex<Statistics>, message: &Message<'_>) {
+    if message.channel == SELF_TEST {
+        return;
+    }
+    let before = dispatcher.panics();
+    dispatcher.deliver(message);
+    if dispatcher.panics() > before {
+        lock(statistics).sink_panics = dispatcher.panics();
     }
 }

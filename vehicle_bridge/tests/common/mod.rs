@@ -2,6 +2,8 @@
 //! other test hears it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
+pub(crate) mod datagrams;
+
 use std::process::{Child, Command, Stdio};
 
 /// The group of the tests.

@@ -1,0 +1,204 @@
+//! `kill -9` at any moment: no learned lap is lost, and no damaged file is ever loaded.
+//!
+//! `LMPC_KILLS` and `LMPC_SAVER_KILLS` change how often.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
+
+use std::fs;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use common::{MULTICAST, Program, URL, isolated};
+use controller::{Config, Controller, Measurement, Pose};
+use lcm_types::{ActuationCommand, Checked as _, channels};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use vehicle_bridge::race::learned;
+use vehicle_bridge::transport::{self, Filter, Inbox};
+use vehicle_model::{CarParams, Plant, PlantParams, State, Track};
+
+mod common;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+const SAVER: &str = "LMPC_SAVER_FOLDER";
+
+fn setting(name: &str, default: u32) -> u32 {
+    std::env::var(name).map_or(default, |text| text.parse().unwrap())
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("lmpc-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn controller() -> Controller {
+    let mut config = Config::from_toml(Config::of_car("barc").unwrap_or_default()).unwrap();
+    config.warm_up.laps = 1;
+    let nominal = CarParams::builtin("barc").unwrap().with_mu(1.2);
+    Controller::new(config, nominal, Arc::new(Track::builtin("l").unwrap())).unwrap()
+}
+
+/// The bits of all lap times in a file, which must be whole.
+fn laps(path: &Path) -> Vec<u64> {
+    let mut controller = controller();
+    learned::load(path, &mut controller).unwrap();
+    controller.laps().iter().map(|lap| lap.result.lap_time.to_bits()).collect()
+}
+
+/// `lmpc serve`, and how many laps it said to have loaded.
+fn serve(path: &Path) -> (Program, usize) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
+    command.args(["serve", "--url", URL, "--set", "warm_up.laps=1", "--learned"]).arg(path);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let line = lines.find(|line| line.contains("laps loaded from")).expect("a count of laps");
+    // It goes on talking: somebody has to listen.
+    std::thread::spawn(move || lines.for_each(drop));
+    (Program(child), line.split_whitespace().next().unwrap().parse().unwrap())
+}
+
+/// Waits for the next message.
+fn heard(inbox: &Inbox, what: &str) {
+    let received = inbox.wait(PATIENCE).unwrap_or_else(|| panic!("no {what}"));
+    inbox.recycle(received);
+}
+
+/// Waits for so many commands to drive.
+fn driven(commands: &Inbox, count: u32) {
+    let end = Instant::now() + PATIENCE;
+    let mut seen = 0;
+    while seen < count {
+        let received = commands.wait_until(end).expect("commands to drive");
+        seen += u32::from(ActuationCommand::open(&received.payload).unwrap().enable);
+        commands.recycle(received);
+    }
+}
+
+#[test]
+fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
+    isolated("a_service_killed_in_mid_lap_drives_on_with_the_same_laps", MULTICAST, URL, || {
+        let folder = folder("kill");
+        let path = folder.join("learned.lmpc");
+        let network = transport::open(URL, None).unwrap();
+        let (commands, ends) = (Inbox::queue(10_000), Inbox::queue(100));
+        network.subscribe(Filter::channel(channels::COMMAND), commands.sink()).unwrap();
+        network.subscribe(Filter::channel(channels::LAP), ends.sink()).unwrap();
+        let _car = Program::start(&["vehicle", "sim", "--lock-step", "--url", URL]);
+        let mut rng = Pcg64::seed_from_u64(9);
+        let (mut known, mut in_saving) = (Vec::new(), 0);
+        for kill in 0..setting("LMPC_KILLS", 100) {
+            let (mut program, loaded) = serve(&path);
+            assert_eq!(loaded, known.len(), "kill {kill}");
+            while commands.take().is_some() || ends.take().is_some() {}
+            if kill % 2 == 0 {
+                // While the end of a lap is being saved.
+                heard(&ends, "end of a lap");
+                std::thread::sleep(Duration::from_micros(rng.random_range(0..40_000)));
+            } else {
+                driven(&commands, rng.random_range(2..80));
+            }
+            program.0.kill().unwrap();
+            program.0.wait().unwrap();
+            in_saving += u32::from(folder.join("learned.lmpc.new").exists());
+            if path.exists() {
+                let found = laps(&path);
+                assert_eq!(known, found[..known.len()], "kill {kill}");
+                known = found;
+            }
+        }
+        assert!(known.len() > 10, "{} laps", known.len());
+        // It drives on with all of them.
+        let (_program, loaded) = serve(&path);
+        assert_eq!(loaded, known.len());
+        while commands.take().is_some() {}
+        driven(&commands, 20);
+        println!("{loaded} laps in the end, {in_saving} kills while a file was being written");
+        fs::remove_dir_all(&folder).unwrap();
+    });
+}
+
+/// Controllers that know one and two laps.
+fn two() -> [Controller; 2] {
+    let (mut driver, mut found) = (controller(), Vec::new());
+    let track = driver.track().clone();
+    let start = State { v_x: driver.config().warm_up.speed, ..State::default() };
+    let car = CarParams::builtin("barc").unwrap();
+    let mut plant = Plant::new(PlantParams::new(car), track, start).unwrap();
+    let period = driver.config().horizon.period;
+    for n in 0_u32.. {
+        let time = f64::from(n) * period;
+        let measurement = Measurement { time, pose: Pose::Frenet(plant.measure()), applied: None };
+        let command = driver.step(&measurement);
+        driver.prepare();
+        plant.apply(command.input, period);
+        if command.status.finished.is_some() {
+            let mut copy = controller();
+            copy.load(&driver.save()).unwrap();
+            found.push(copy);
+        }
+        if found.len() == 2 {
+            break;
+        }
+    }
+    found.try_into().unwrap_or_else(|_| panic!("two laps"))
+}
+
+/// Saves, one after the other, until it is killed. A test only by its name.
+#[test]
+fn saver() {
+    let Some(folder) = std::env::var_os(SAVER).map(PathBuf::from) else { return };
+    let known = ["one", "two"].map(|name| {
+        let mut controller = controller();
+        learned::load(&folder.join(name), &mut controller).unwrap();
+        controller
+    });
+    let mut out = std::io::stdout();
+    writeln!(out, "ready").and_then(|()| out.flush()).unwrap();
+    for controller in known.iter().cycle() {
+        learned::save(&folder.join("learned.lmpc"), controller).unwrap();
+    }
+}
+
+fn start_saver(folder: &Path) -> Child {
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args(["--exact", "saver", "--nocapture"]).env(SAVER, folder);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.as_mut().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap().contains("ready")), "the saver ended");
+    child
+}
+
+#[test]
+fn a_thousand_kills_of_a_saver_leave_whole_files() {
+    let folder = folder("saver");
+    let path = folder.join("learned.lmpc");
+    let two = two();
+    for (name, controller) in ["one", "two"].iter().zip(&two) {
+        learned::save(&folder.join(name), controller).unwrap();
+    }
+    learned::save(&path, &two[0]).unwrap();
+    let whole = two.map(|controller| controller.save());
+    let mut rng = Pcg64::seed_from_u64(20);
+    let (mut writing, mut found) = (0, [0; 2]);
+    for kill in 0..setting("LMPC_SAVER_KILLS", 1000) {
+        let mut child = start_saver(&folder);
+        std::thread::sleep(Duration::from_micros(rng.random_range(0..3_000)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        writing += u32::from(folder.join("learned.lmpc.new").exists());
+        for name in ["learned.lmpc", "learned.lmpc.bak"] {
+            let Ok(bytes) = fs::read(folder.join(name)) else {
+                assert_ne!(name, "learned.lmpc", "kill {kill}: the file is gone");
+                continue;
+            };
+            let which = whole.iter().position(|whole| *whole == bytes);
+            found[which.unwrap_or_else(|| panic!("kill {kill}: {name} is damaged"))] += 1;
+        }
+    }
+    println!("{writing} kills while a file was being written; found {found:?}");
+    assert!(writing > 0 && found[0] > 0 && found[1] > 0, "{writing} {found:?}");
+    fs::remove_dir_all(&folder).unwrap();
+}
