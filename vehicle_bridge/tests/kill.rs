@@ -2,6 +2,7 @@
 //!
 //! `LMPC_KILLS` and `LMPC_SAVER_KILLS` change how often.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
+#![allow(clippy::print_stdout, reason = "figures for `--nocapture`")]
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};

@@ -1,6 +1,7 @@
 //! Malformed datagrams and 20,000 messages per second against `lmpc serve` and `lmpc vehicle sim`
 //! themselves: both live, and no command is lost or wrong.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
+#![allow(clippy::print_stdout, reason = "figures for `--nocapture`")]
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

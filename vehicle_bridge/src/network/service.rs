@@ -146,18 +146,13 @@ impl Service {
             while let Some(order) = self.orders.take() {
                 self.obey(&order);
             }
-            match self.states.wait_until(deadline.min(Instant::now() + NAP)) {
-                Some(received) => {
-                    if self.answer(received, on_lap) {
-                        deadline = Instant::now() + period;
-                    }
-                }
-                None if Instant::now() >= deadline => {
-                    self.overdue();
-                    // From the last deadline, not from now: the beat does not drift.
-                    deadline += period;
-                }
-                None => {}
+            let received = self.states.wait_until(deadline.min(Instant::now() + NAP));
+            if received.is_some_and(|received| self.answer(received, &mut *on_lap)) {
+                deadline = Instant::now() + period;
+            } else if Instant::now() >= deadline {
+                self.overdue();
+                // From the last deadline, not from now: the beat does not drift.
+                deadline += period;
             }
             self.report();
         }

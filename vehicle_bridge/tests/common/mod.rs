@@ -32,6 +32,11 @@ pub(crate) fn isolated(test: &str, setup: &str, url: &str, body: impl FnOnce()) 
     let (out, err) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "in the namespace:\n{out}\n{err}");
     assert!(out.contains("1 passed"), "`{test}` is no test:\n{out}\n{err}");
+    // Figures, seen with `--nocapture`.
+    #[allow(clippy::print_stdout, reason = "code of tests")]
+    {
+        print!("{out}");
+    }
 }
 
 /// A process of `lmpc` that ends with the test.

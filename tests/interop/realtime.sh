@@ -1,0 +1,56 @@
+#!/bin/sh
+# The control loop at 100 Hz on a busy machine: `lmpc serve` and `lmpc vehicle sim` in two processes
+# beside two busy loops per processor, first with FIFO priority, then without.
+#
+#   tests/interop/realtime.sh [SECONDS]
+#
+# Fails if with FIFO a command comes later than a period after its state, or a period of the car
+# begins more than a period late. Without FIFO the misses are only shown: in the life signs, which
+# are read from a recording, and at the end of each program. FIFO needs root or CAP_SYS_NICE.
+set -eu
+cd "$(dirname "$0")/../.."
+seconds=${1:-60}
+out=target/lcm/realtime
+if [ -z "${LMPC_ISOLATED:-}" ]; then
+    cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    # No user namespace: in one there is no FIFO priority.
+    LMPC_ISOLATED=1 exec unshare -n sh -c '
+        ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo &&
+            exec timeout 600 "$@"' sh "$0" "$@"
+fi
+rm -rf "$out" && mkdir -p "$out"
+export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'
+busy=
+for _ in $(seq $((2 * $(nproc)))); do
+    sh -c 'while :; do :; done' &
+    busy="$busy $!"
+done
+trap 'kill $busy 2>/dev/null || true' EXIT
+
+drive() { # drive NAME SECONDS OPTION...
+    name=$1
+    steps=$(($2 * 100))
+    shift 2
+    target/release/lmpc record "$out/$name.log" 2>/dev/null &
+    record=$!
+    target/release/lmpc serve --config config/barc_100hz.toml "$@" 2>"$out/$name-serve.txt" &
+    serve=$!
+    sleep 1
+    target/release/lmpc vehicle sim --config config/barc_100hz.toml --start-speed 1 \
+        --steps "$steps" "$@" 2>"$out/$name-sim.txt" || true
+    kill -INT $serve
+    wait $serve
+    kill -INT $record
+    wait $record || true
+    echo "$name, car:     $(grep periods "$out/$name-sim.txt")"
+    echo "$name, service: $(grep 'longer than a period' "$out/$name-serve.txt")"
+    echo "$name, life sign: $(strings "$out/$name.log" | grep -o '[0-9]* steps took longer.*' | tail -1)"
+}
+drive fifo "$seconds" --realtime
+drive normal 20
+if grep 'no FIFO' "$out/fifo-serve.txt"; then
+    exit 1
+fi
+grep -q ', 0 longer than a period' "$out/fifo-serve.txt"
+grep -q ', 0 more than a period late' "$out/fifo-sim.txt"
+grep -q 'without real-time priority' "$out/normal-serve.txt"
