@@ -186,7 +186,7 @@ fn a_thousand_kills_of_a_saver_leave_whole_files() {
     let (mut writing, mut found) = (0, [0; 2]);
     for kill in 0..setting("LMPC_SAVER_KILLS", 1000) {
         let mut child = start_saver(&folder);
-        std::thread::sleep(Duration::from_micros(rng.random_range(0..3_000)));
+        std::thread::sleep(Duration::from_micros(rng.random_range(0..8_000)));
         child.kill().unwrap();
         child.wait().unwrap();
         writing += u32::from(folder.join("learned.lmpc.new").exists());
