@@ -1,0 +1,8 @@
+//! The controller's variables with nothing behind them, as a shared library. Never shipped.
+
+mod hollow;
+
+use fmu_core::ControllerFmu;
+use hollow::Hollow;
+
+fmu_core::export_fmu!(Hollow<ControllerFmu>);
