@@ -68,6 +68,16 @@ impl Table {
         Text(self.push(variable, Kind::Text))
     }
 
+    /// Sets smallest and largest values by name; an infinite one is none.
+    pub fn bound(&mut self, bounds: &[(&str, f64, f64)]) {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        for variable in &mut self.variables {
+            if let Some((_, min, max)) = bounds.iter().find(|row| row.0 == variable.name) {
+                (variable.min, variable.max) = (finite(*min), finite(*max));
+            }
+        }
+    }
+
     fn push(&mut self, variable: Variable, kind: Kind) -> usize {
         // The kind is what the caller's slot type promises, so it wins.
         self.variables.push(Variable { kind, ..variable });

@@ -1,6 +1,6 @@
 """Holds the FMUs to the native race, bit for bit, through FMPy.
 
-    lmpc race --seed 0 --laps 2 --out race
+    lmpc race --seed 0 --laps 5 --out race
     python fmu/tests/fmpy_lockstep.py race/trajectory.csv out/fmu
 
 All four mixes of FMI 2.0 and 3.0; then, for each version, back to a saved state half way, and in

@@ -57,6 +57,28 @@ const VEHICLE: [(&str, Unit, &str); 9] = [
     ("psi", unit::RAD, "Global heading, positive left from x (with param.global_pose)"),
 ];
 
+const NONE: f64 = f64::INFINITY;
+
+/// What bounds the outputs that have bounds whatever car and track are.
+const BOUNDS: [(&str, f64, f64); 16] = [
+    ("status.action", 0.0, 4.0),
+    ("status.reason", 0.0, 9.0),
+    ("status.solve", 0.0, 5.0),
+    ("status.iterations", 0.0, NONE),
+    ("status.solve_ms", 0.0, NONE),
+    ("status.clipped", 0.0, 1.0),
+    ("status.steps", 0.0, NONE),
+    ("lap.number", 0.0, NONE),
+    ("lap.finished", 0.0, NONE),
+    ("lap.last_time", 0.0, NONE),
+    ("lap.best_time", 0.0, NONE),
+    ("lap.last_valid", 0.0, 1.0),
+    ("support.min", 0.0, NONE),
+    ("support.mean", 0.0, NONE),
+    ("grip.front", 0.0, NONE),
+    ("grip.rear", 0.0, NONE),
+];
+
 impl Slots {
     pub(crate) fn new(t: &mut Table) -> Self {
         let vehicle = VEHICLE
@@ -183,6 +205,7 @@ impl Slots {
                     |k| held(&format!("plan.{name}[{k}]"), unit, "Planned state, k periods ahead");
                 (1..=PLAN).map(point).collect()
             });
+        t.bound(&BOUNDS);
         Self {
             vehicle,
             applied,

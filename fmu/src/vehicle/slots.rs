@@ -1,5 +1,7 @@
 //! The vehicle's variables.
 
+use std::f64::consts::PI;
+
 use vehicle_model::CarParams;
 
 use super::car::CarSlots;
@@ -54,6 +56,27 @@ const STATE: [(&str, unit::Unit, &str); 9] = [
     ("x", unit::M, "global position, x"),
     ("y", unit::M, "global position, y"),
     ("psi", unit::RAD, "global heading, positive left from x"),
+];
+
+const NONE: f64 = f64::INFINITY;
+
+/// What bounds the variables that have bounds whatever car and track are.
+const BOUNDS: [(&str, f64, f64); 15] = [
+    ("noise.v_x", 0.0, NONE),
+    ("noise.v_y", 0.0, NONE),
+    ("noise.omega_z", 0.0, NONE),
+    ("noise.e_psi", 0.0, NONE),
+    ("noise.s", 0.0, NONE),
+    ("noise.e_y", 0.0, NONE),
+    ("process_noise.v_x", 0.0, NONE),
+    ("process_noise.v_y", 0.0, NONE),
+    ("process_noise.omega_z", 0.0, NONE),
+    ("vehicle.e_psi", -PI, PI),
+    ("truth.e_psi", -PI, PI),
+    ("vehicle.s", 0.0, NONE),
+    ("truth.s", 0.0, NONE),
+    ("tyre.front.utilisation", 0.0, NONE),
+    ("tyre.rear.utilisation", 0.0, NONE),
 ];
 
 impl Slots {
@@ -177,6 +200,7 @@ impl Slots {
                 "Curvature of the centre line here",
             ),
         ];
+        t.bound(&BOUNDS);
         Self {
             command,
             track,
