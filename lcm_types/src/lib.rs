@@ -14,7 +14,7 @@
 //! | [`Heartbeat`] | [`channels::HEARTBEAT`] + name | each program → all |
 //! | [`OperatorCommand`] | [`channels::OPERATOR`] | operator → car, controller |
 //! | [`OperatorAck`] | [`channels::OPERATOR_ACK`] | car, controller → operator |
-//! | [`Track`] | [`channels::TRACK`] | car → all |
+//! | [`Track`] | [`channels::TRACK`] | controller → all |
 //!
 //! Bytes from a network are not trusted: [`Message::decode`] returns a value or an [`Error`], and
 //! never reserves more memory than the bytes at hand account for.

@@ -9,6 +9,7 @@ pub mod cli;
 pub mod commands;
 pub mod console;
 pub mod doctor;
+pub mod export;
 pub mod hil;
 pub mod mapping;
 pub mod network;

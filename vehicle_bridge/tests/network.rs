@@ -51,6 +51,23 @@ fn race() -> Race {
     race
 }
 
+/// The message's samples, against the track itself: a sample's own edges project onto it again.
+fn check_map(map: &lcm_types::Track, track: &Track) {
+    assert_eq!((map.name.as_str(), map.closed, map.length), (track.name(), true, track.length()));
+    assert_eq!(map.track_id, vehicle_bridge::network::convert::track_id(track));
+    for i in 0..usize::try_from(map.n).unwrap() {
+        let at = |values: &[f32]| f64::from(values[i]);
+        let (s, yaw, left) = (at(&map.s), at(&map.yaw), at(&map.w_left));
+        let edge = (at(&map.x) - left * yaw.sin(), at(&map.y) + left * yaw.cos());
+        let found = track.project(edge.0, edge.1, Some(s));
+        assert!((found.e_y - left).abs() < 1e-4, "{found:?}, width {left}");
+        let apart = track.wrap(found.s - s + 1.0) - 1.0;
+        assert!(apart.abs() < 1e-3, "{found:?}, expected s = {s}");
+        let exact = i as f64 * track.length() / f64::from(map.n);
+        assert!((at(&map.kappa) - track.kappa(exact)).abs() < 1e-5, "at {exact}");
+    }
+}
+
 #[test]
 fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
     let name = "in_lock_step_the_commands_are_those_of_the_race_bit_for_bit";
@@ -62,7 +79,7 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
             inbox
         };
         let (states, commands) = (inbox(channels::STATE), inbox(channels::COMMAND));
-        let alive = inbox("HB/lmpc");
+        let (alive, maps) = (inbox("HB/lmpc"), inbox(channels::TRACK));
         let _serve = start(&["serve"]);
         alive.wait(PATIENCE).expect("a life sign of `lmpc serve`");
         let steps = STEPS.to_string();
@@ -70,6 +87,12 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
             start(&["vehicle", "sim", "--lock-step", "--steps", &steps, "--plant", PLANT]);
         let status = car.0.wait().unwrap();
         assert!(matches!(status.code(), Some(0 | 3)), "{status}");
+
+        let maps: Vec<_> = std::iter::from_fn(|| maps.take()).collect();
+        assert!(!maps.is_empty(), "no track on the network");
+        for map in &maps {
+            check_map(&lcm_types::Track::open(&map.payload).unwrap(), &options().track);
+        }
 
         let race = race();
         let learned = race.steps.iter().filter(|row| row.status.action == Action::Learned).count();

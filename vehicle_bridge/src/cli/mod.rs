@@ -1,5 +1,6 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
+mod export;
 mod fmu;
 mod hil;
 mod network;
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilRunArgs};
 pub use network::{
@@ -25,7 +27,7 @@ Exit codes:
   0  done
   1  failed: a file is missing or wrong, an output could not be written
   2  the command line is wrong
-  3  ran, but degraded: the car failed, left the track, or fell back
+  3  ran, but degraded: the car failed, left the track, or fell back; a log was damaged
 
 Results go to standard output, everything else to standard error.";
 
@@ -59,6 +61,8 @@ pub enum Command {
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
     Replay(Box<ReplayArgs>),
+    /// Write a log as CSV tables
+    Export(ExportArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix

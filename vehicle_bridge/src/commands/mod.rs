@@ -2,6 +2,7 @@
 
 mod check;
 mod doctor;
+mod export;
 mod fmu;
 mod hil;
 mod network;
@@ -59,6 +60,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         },
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
+        Command::Export(args) => export::run(&args, talk),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),

@@ -71,7 +71,7 @@ impl MappedCar {
             guard: Guard::new(SILENCE_NS, SILENCE_NS / 4, host),
             states: Outlet::new(network, &identity, channels::STATE),
             reports: Outlet::new(network, &identity, channels::ACTUATION),
-            pulse: Pulse::start(network, &identity, "car")?,
+            pulse: Pulse::start(network, &identity, "car", None)?,
             boot_id: identity.boot_id,
             network: Arc::clone(network),
             command: None,

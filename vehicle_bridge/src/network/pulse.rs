@@ -1,17 +1,19 @@
-//! Life signs, ten a second, from a thread of their own.
+//! Life signs, ten a second, from a thread of their own, and once a second the track.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use lcm_types::{Heartbeat, channels};
+use lcm_types::{Heartbeat, Track, channels};
 
 use super::guard::Counts;
 use super::outlet::{Identity, Outlet};
 use crate::transport::Transport;
 
 const INTERVAL: Duration = Duration::from_millis(100);
+/// Life signs from one message of the track to the next. \[-\]
+const TRACK_EVERY: u64 = 10;
 /// Pages of memory on every system this runs on. \[MB\]
 const PAGE_MB: f32 = 4096.0 / 1e6;
 
@@ -34,7 +36,7 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// Begins to send on `HB/<name>`.
+    /// Begins to send on `HB/<name>`, and `track`, if there is one, on `MAP/TRACK`.
     ///
     /// # Errors
     /// If the thread cannot be started.
@@ -42,14 +44,16 @@ impl Pulse {
         network: &Arc<dyn Transport>,
         identity: &Identity,
         name: &str,
+        track: Option<Track>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health>> = Arc::default();
         let stop = Arc::new(AtomicBool::new(false));
         let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
+        let track = track.map(|t| (Outlet::new(network, identity, channels::TRACK), t));
         let (seen, ended) = (Arc::clone(&health), Arc::clone(&stop));
         let thread = std::thread::Builder::new()
             .name("lmpc-pulse".to_owned())
-            .spawn(move || beat(outlet, &seen, &ended))?;
+            .spawn(move || beat(outlet, track, &seen, &ended))?;
         Ok(Self { health, stop, thread: Some(thread) })
     }
 
@@ -69,10 +73,18 @@ impl Drop for Pulse {
     }
 }
 
-fn beat(mut outlet: Outlet, health: &Mutex<Health>, stop: &AtomicBool) {
+fn beat(
+    mut outlet: Outlet,
+    mut track: Option<(Outlet, Track)>,
+    health: &Mutex<Health>,
+    stop: &AtomicBool,
+) {
     let begun = Instant::now();
     let mut due = begun;
-    while !stop.load(Ordering::Relaxed) {
+    for count in 0_u64.. {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         let Health { state, counts, detail } =
             health.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let message = Heartbeat {
@@ -91,6 +103,11 @@ fn beat(mut outlet: Outlet, health: &Mutex<Health>, stop: &AtomicBool) {
         };
         // A life sign that is lost is what its absence says.
         let _ = outlet.send(&message);
+        if let Some((outlet, track)) = track.as_mut().filter(|_| count % TRACK_EVERY == 0) {
+            track.h = outlet.header();
+            // Who missed it has it in a second.
+            let _ = outlet.send_sealed(track);
+        }
         due += INTERVAL;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }

@@ -112,6 +112,7 @@ impl Service {
         let (age, silence) =
             (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
         let name = if options.dry_run { channels::COMMAND_DRY } else { channels::COMMAND };
+        let track = telemetry::track_message(controller.track());
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         Ok(Self {
             guard: Guard::new(age, silence, host),
@@ -121,7 +122,7 @@ impl Service {
             telemetry: outlet(channels::TELEMETRY),
             laps: outlet(channels::LAP),
             acks: outlet(channels::OPERATOR_ACK),
-            pulse: Pulse::start(network, &identity, "lmpc")?,
+            pulse: Pulse::start(network, &identity, "lmpc", Some(track))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
             seen: LapSeen::new(key),

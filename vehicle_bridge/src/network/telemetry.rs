@@ -1,10 +1,42 @@
-//! What the controller tells of its work, as messages.
+//! What the controller tells of its work and of its track, as messages.
 
 use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
 use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint};
 use vehicle_model::{NX, State, Track};
 
+use super::convert;
 use crate::race::timing::{PHASES, StepTime};
+
+/// Nearest samples of a track's message. \[m\]
+const TRACK_STEP: f64 = 0.1;
+/// Most samples of a track's message; it then fits into one datagram. \[-\]
+const TRACK_SAMPLES: f64 = 1000.0;
+
+/// The track, sampled evenly from `s = 0`; the first sample is not repeated at the end.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "a picture in single precision")]
+#[expect(clippy::cast_sign_loss, reason = "lengths are positive")]
+pub fn track_message(track: &Track) -> lcm_types::Track {
+    let count = (track.length() / TRACK_STEP).ceil().clamp(1.0, TRACK_SAMPLES);
+    let s: Vec<f64> = (0..count as usize).map(|i| i as f64 * track.length() / count).collect();
+    let sampled = |f: &dyn Fn(f64) -> f64| s.iter().map(|&s| f(s) as f32).collect();
+    lcm_types::Track {
+        h: Header::default(),
+        track_id: convert::track_id(track),
+        name: track.name().to_owned(),
+        length: track.length(),
+        closed: true,
+        n: count as i32,
+        s: sampled(&|s| s),
+        x: sampled(&|s| track.position(s).0),
+        y: sampled(&|s| track.position(s).1),
+        yaw: sampled(&|s| track.heading(s)),
+        kappa: sampled(&|s| track.kappa(s)),
+        w_left: sampled(&|s| track.width_left(s)),
+        w_right: sampled(&|s| track.width_right(s)),
+        crc: 0,
+    }
+}
 
 /// What the host adds to a step's telemetry.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,0 +1,13 @@
+//! Logs of LCM for other tools: tables in CSV.
+//!
+//! Messages are decoded with types known at run time: the product's own and those of any `.lcm`
+//! file. What is damaged is skipped and counted.
+
+pub mod columns;
+pub mod csv;
+pub mod json;
+pub mod log;
+mod types;
+
+pub use log::{Account, Stream};
+pub use types::Types;
