@@ -8,6 +8,7 @@
 # Fails if a lap leaves the track, a message cannot be decoded, or a command comes out otherwise.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh lcm-logger target/lcm/venv/bin/python
 laps=${1:-8}
 out=target/lcm/closed_loop
 types=target/lcm/types/pypi

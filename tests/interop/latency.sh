@@ -7,6 +7,7 @@
 # lost at 20,000 per second. Figures depend on the machine: read them as ratios.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh cc
 rounds=${1:-3}
 gate=${2:-}
 out=target/lcm/latency

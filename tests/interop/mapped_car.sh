@@ -3,6 +3,7 @@
 # network namespace of its own; when the commands stop, it is told to brake.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh target/lcm/venv/bin/python
 out=target/lcm/mapped
 python=target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then

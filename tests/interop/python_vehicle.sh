@@ -2,6 +2,7 @@
 # A vehicle in Python drives five laps with `lmpc serve`, in a network namespace of its own.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     cargo build --quiet --release -p vehicle_bridge
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"

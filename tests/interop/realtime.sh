@@ -6,12 +6,17 @@
 #
 # Fails if with FIFO a command comes later than a period after its state, or a period of the car
 # begins more than a period late. Without FIFO the misses are only shown: in the life signs, which
-# are read from a recording, and at the end of each program. FIFO needs root or CAP_SYS_NICE.
+# are read from a recording, and at the end of each program. Needs root.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh strings unshare
 seconds=${1:-60}
 out=target/lcm/realtime
 if [ -z "${LMPC_ISOLATED:-}" ]; then
+    if [ "$(id -u)" != 0 ]; then
+        echo "$0: needs root, for FIFO priority and a network namespace: sudo -E $0" >&2
+        exit 1
+    fi
     cargo build --quiet --release -p vehicle_bridge --bin lmpc
     # No user namespace: in one there is no FIFO priority.
     LMPC_ISOLATED=1 exec unshare -n sh -c '

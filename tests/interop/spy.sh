@@ -6,6 +6,7 @@
 # row in the window.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh Xvfb import convert target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     tools/types-jar.sh
     cargo build --quiet --release -p vehicle_bridge --example lcm_traffic

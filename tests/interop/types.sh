@@ -6,6 +6,7 @@
 #   tests/interop/types.sh [COUNT] [SEED]
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh lcm-gen target/lcm/venv/bin/python
 count=${1:-50000}
 seed=${2:-1}
 out=target/lcm/types

@@ -9,7 +9,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use common::{MULTICAST, Program, URL, isolated};
 use controller::{Config, Controller, Measurement, Pose};
@@ -61,6 +61,11 @@ fn serve(path: &Path) -> (Program, usize) {
     (Program(child), line.split_whitespace().next().unwrap().parse().unwrap())
 }
 
+/// When a file was last written. One from an earlier kill stays until the next save.
+fn written(path: &Path) -> Option<SystemTime> {
+    fs::metadata(path).and_then(|found| found.modified()).ok()
+}
+
 /// Waits for the next message.
 fn heard(inbox: &Inbox, what: &str) {
     let received = inbox.wait(PATIENCE).unwrap_or_else(|| panic!("no {what}"));
@@ -83,6 +88,7 @@ fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
     isolated("a_service_killed_in_mid_lap_drives_on_with_the_same_laps", MULTICAST, URL, || {
         let folder = folder("kill");
         let path = folder.join("learned.lmpc");
+        let unfinished = folder.join("learned.lmpc.new");
         let network = transport::open(URL, None).unwrap();
         let (commands, ends) = (Inbox::queue(10_000), Inbox::queue(100));
         network.subscribe(Filter::channel(channels::COMMAND), commands.sink()).unwrap();
@@ -91,6 +97,7 @@ fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
         let mut rng = Pcg64::seed_from_u64(9);
         let (mut known, mut in_saving) = (Vec::new(), 0);
         for kill in 0..setting("LMPC_KILLS", 100) {
+            let before = written(&unfinished);
             let (mut program, loaded) = serve(&path);
             assert_eq!(loaded, known.len(), "kill {kill}");
             while commands.take().is_some() || ends.take().is_some() {}
@@ -103,7 +110,7 @@ fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
             }
             program.0.kill().unwrap();
             program.0.wait().unwrap();
-            in_saving += u32::from(folder.join("learned.lmpc.new").exists());
+            in_saving += u32::from(written(&unfinished).is_some_and(|at| before != Some(at)));
             if path.exists() {
                 let found = laps(&path);
                 assert_eq!(known, found[..known.len()], "kill {kill}");
@@ -176,6 +183,7 @@ fn start_saver(folder: &Path) -> Child {
 fn a_thousand_kills_of_a_saver_leave_whole_files() {
     let folder = folder("saver");
     let path = folder.join("learned.lmpc");
+    let unfinished = folder.join("learned.lmpc.new");
     let two = two();
     for (name, controller) in ["one", "two"].iter().zip(&two) {
         learned::save(&folder.join(name), controller).unwrap();
@@ -185,11 +193,12 @@ fn a_thousand_kills_of_a_saver_leave_whole_files() {
     let mut rng = Pcg64::seed_from_u64(20);
     let (mut writing, mut found) = (0, [0; 2]);
     for kill in 0..setting("LMPC_SAVER_KILLS", 1000) {
+        let before = written(&unfinished);
         let mut child = start_saver(&folder);
         std::thread::sleep(Duration::from_micros(rng.random_range(0..8_000)));
         child.kill().unwrap();
         child.wait().unwrap();
-        writing += u32::from(folder.join("learned.lmpc.new").exists());
+        writing += u32::from(written(&unfinished).is_some_and(|at| before != Some(at)));
         for name in ["learned.lmpc", "learned.lmpc.bak"] {
             let Ok(bytes) = fs::read(folder.join(name)) else {
                 assert_ne!(name, "learned.lmpc", "kill {kill}: the file is gone");

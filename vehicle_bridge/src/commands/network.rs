@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
+use lcm_types::channels;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::{Outcome, setup, vehicle};
@@ -57,11 +58,23 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     };
     let stop = on_signal()?;
     let mut service = Service::new(service, controller, store, &network)?;
-    talk.say("serving; Ctrl-C stops the car and ends");
+    talk.say(&format!(
+        "waiting for {} on {}; Ctrl-C stops the car and ends",
+        channels::STATE,
+        args.network.url()
+    ));
+    if args.dry_run {
+        talk.say(&format!(
+            "dry run: the commands go to {}, none to the car",
+            channels::COMMAND_DRY
+        ));
+    }
     service.run(&stop, &mut |lap, seen| {
         let best = seen.best_time;
+        let best =
+            if best.is_finite() { format!("best {best:.3} s") } else { "no best yet".into() };
         talk.say(&format!(
-            "lap {} ({}): {:.3} s, best {best:.3} s, margin {:.3} m, {} fallbacks{}",
+            "lap {} ({}): {:.3} s, {best}, margin {:.3} m, {} fallbacks{}",
             lap.lap,
             kind_word(lap.kind),
             lap.lap_time,
@@ -210,6 +223,9 @@ fn account(drive: &Drive, talk: Talk) {
         drive.late,
         drive.latest * 1e3
     ));
+    if !drive.commanded && !drive.deserted {
+        talk.say("no command came: is `lmpc serve` running on the same network?");
+    }
     if drive.deserted {
         talk.say("no command answered the last state");
     }

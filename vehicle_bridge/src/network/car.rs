@@ -62,6 +62,8 @@ pub struct Drive {
     pub latest: f64,
     /// In lock-step, nobody answered.
     pub deserted: bool,
+    /// A command came that was believed.
+    pub commanded: bool,
 }
 
 /// The car.
@@ -144,6 +146,7 @@ impl Car {
             self.judge(time, before, on_lap);
             self.report()?;
         }
+        self.drive.commanded = self.command.is_some();
         Ok(self.drive.clone())
     }
 

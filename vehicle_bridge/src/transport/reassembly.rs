@@ -65,6 +65,11 @@ impl Reassembly {
         self.given_up
     }
 
+    /// True while a message in pieces waits for the rest.
+    pub(super) fn is_waiting(&self) -> bool {
+        self.partials.iter().any(|partial| partial.active)
+    }
+
     /// Adds a fragment that arrived at `now_ns`.
     pub(super) fn insert(
         &mut self,

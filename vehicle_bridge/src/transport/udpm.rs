@@ -1,7 +1,7 @@
 //! `udpm://`: LCM over UDP multicast, against whatever may arrive.
 
 use std::io::{self, IoSlice, IoSliceMut};
-use std::net::{Ipv4Addr, SocketAddrV4};
+use std::net::{Ipv4Addr, Shutdown, SocketAddrV4};
 use std::os::fd::AsRawFd;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -21,7 +21,8 @@ use super::{
 
 /// liblcm's test of its own route; nobody's message.
 const SELF_TEST: &str = "LCM_SELF_TEST";
-/// How often the receiving thread looks whether it should end.
+/// How often the receiving thread looks whether a message in pieces has expired, and how long it
+/// rests after an error.
 const POLL: Duration = Duration::from_millis(50);
 /// A sender waits this long for room in the kernel's send buffer.
 const SEND_TIMEOUT: Duration = Duration::from_millis(10);
@@ -38,6 +39,8 @@ pub struct Udpm {
     subscriber: Subscriber,
     statistics: Arc<Mutex<Statistics>>,
     stop: Arc<AtomicBool>,
+    /// The receiving thread's, to wake it.
+    receiver: Arc<Socket>,
     receiving: Mutex<Receiving>,
     warnings: Vec<String>,
 }
@@ -58,19 +61,30 @@ impl Udpm {
     pub fn open(options: &UdpmOptions, start: Option<ThreadStart>) -> Result<Self, Error> {
         let sender = sending_socket(options)?;
         let (socket, warnings) = receiving_socket(options)?;
+        let socket = Arc::new(socket);
         let (dispatcher, subscriber) = Dispatcher::new();
         let statistics = Arc::new(Mutex::default());
         let stop = Arc::new(AtomicBool::new(false));
         let receiver = Receiver {
-            socket,
+            socket: Arc::clone(&socket),
             dispatcher,
             reassembly: Reassembly::default(),
+            timed: false,
             statistics: Arc::clone(&statistics),
             stop: Arc::clone(&stop),
         };
         let receiving = Mutex::new(Receiving { waiting: Some((receiver, start)), thread: None });
-        let (options, sequence) = (options.clone(), AtomicU32::new(0));
-        Ok(Self { options, sender, sequence, subscriber, statistics, stop, receiving, warnings })
+        Ok(Self {
+            options: options.clone(),
+            sender,
+            sequence: AtomicU32::new(0),
+            subscriber,
+            statistics,
+            stop,
+            receiver: socket,
+            receiving,
+            warnings,
+        })
     }
 
     /// Joins the group and starts the receiving thread, unless that was done before.
@@ -93,8 +107,11 @@ impl Udpm {
     fn send(&self, channel: &str, payload: &[u8]) -> io::Result<()> {
         let sequence = self.sequence.fetch_add(1, Ordering::Relaxed);
         let send = |parts: &[&[u8]]| {
-            let slices: Vec<IoSlice<'_>> = parts.iter().map(|part| IoSlice::new(part)).collect();
-            self.sender.send_vectored(&slices)
+            let mut slices = [IoSlice::new(&[]); 4];
+            for (slice, part) in slices.iter_mut().zip(parts) {
+                *slice = IoSlice::new(part);
+            }
+            self.sender.send_vectored(&slices[..parts.len()])
         };
         if channel.len() + 1 + payload.len() <= datagram::MAX_SHORT {
             let header = datagram::short_header(sequence);
@@ -145,6 +162,8 @@ impl Drop for Udpm {
         self.stop.store(true, Ordering::Relaxed);
         let receiving = self.receiving.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(thread) = receiving.thread.take() {
+            // Linux wakes who waits for datagrams, though it refuses with "not connected".
+            let _ = self.receiver.shutdown(Shutdown::Read);
             // A panic of the thread was printed when it happened.
             let _ = thread.join();
         }
@@ -187,7 +206,6 @@ fn receiving_socket(options: &UdpmOptions) -> Result<(Socket, Vec<String>), Erro
     // Other LCM programs on this host listen on the same port.
     socket.set_reuse_address(true).map_err(failed("sharing the port"))?;
     socket.set_recv_buffer_size(options.recv_buf_size).map_err(failed("sizing the buffer"))?;
-    socket.set_read_timeout(Some(POLL)).map_err(failed("setting the receive timeout"))?;
     let option = |result: nix::Result<()>| result.map_err(io::Error::from);
     option(setsockopt(&socket, sockopt::ReceiveTimestampns, &true))
         .map_err(failed("asking for receive time stamps"))?;
@@ -218,9 +236,11 @@ fn join(socket: &Socket, options: &UdpmOptions) -> Result<(), Error> {
 
 /// What the receiving thread owns.
 struct Receiver {
-    socket: Socket,
+    socket: Arc<Socket>,
     dispatcher: Dispatcher,
     reassembly: Reassembly,
+    /// The wait ends after [`POLL`].
+    timed: bool,
     statistics: Arc<Mutex<Statistics>>,
     stop: Arc<AtomicBool>,
 }
@@ -230,6 +250,7 @@ impl Receiver {
         let mut buffer = vec![0; MAX_DATAGRAM];
         let mut control = nix::cmsg_space!(nix::sys::time::TimeSpec, u32);
         while !self.stop.load(Ordering::Relaxed) {
+            self.set_timeout();
             match self.receive(&mut buffer, &mut control) {
                 Ok((size, source, arrival)) => self.handle(&buffer[..size], source, arrival),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.idle(),
@@ -239,6 +260,17 @@ impl Receiver {
                     lock(&self.statistics).receive_errors += 1;
                     std::thread::sleep(POLL);
                 }
+            }
+        }
+    }
+
+    /// A timer for each wait would cost about a microsecond: only while a message in pieces can expire.
+    fn set_timeout(&mut self) {
+        let timed = self.reassembly.is_waiting();
+        if timed != self.timed {
+            match self.socket.set_read_timeout(timed.then_some(POLL)) {
+                Ok(()) => self.timed = timed,
+                Err(_) => lock(&self.statistics).receive_errors += 1,
             }
         }
     }
