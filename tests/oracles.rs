@@ -150,8 +150,12 @@ fn problem(rng: &mut Pcg64Mcg) -> Fhocp {
 fn the_qp_keeps_its_simplex_and_ignores_a_constant_cost() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     for method in [SolverMethod::Clarabel, SolverMethod::Structured] {
-        let mut solver =
-            Solver::new(SolverConfig { method, tolerance: 1e-10, max_iterations: 200 });
+        let mut solver = Solver::new(SolverConfig {
+            method,
+            fallback: true,
+            tolerance: 1e-10,
+            max_iterations: 200,
+        });
         for k in 0..20 {
             let problem = problem(&mut rng);
             let mut solve = |problem: &Fhocp| {

@@ -105,7 +105,7 @@ impl Qp {
 fn compare(name: &str, slip: bool, method: SolverMethod, backend: Backend) {
     let file: File = read_reference(name);
     assert!(!file.qps.is_empty());
-    let config = SolverConfig { method, tolerance: 1e-9, max_iterations: 100 };
+    let config = SolverConfig { method, fallback: true, tolerance: 1e-9, max_iterations: 100 };
     let mut solver = Solver::new(config);
     for (k, qp) in file.qps.iter().enumerate() {
         assert!(qp.l.iter().take(qp.n_eq).eq(qp.u.iter().take(qp.n_eq)), "equalities first");

@@ -25,7 +25,7 @@ impl Samples {
 }
 
 fn config(tolerance: f64) -> SolverConfig {
-    SolverConfig { method: SolverMethod::Clarabel, tolerance, max_iterations: 100 }
+    SolverConfig { method: SolverMethod::Clarabel, fallback: true, tolerance, max_iterations: 100 }
 }
 
 fn main() {

@@ -213,7 +213,7 @@ pub struct DelayConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolverMethod {
-    /// The structured interior-point method; Clarabel takes what it cannot solve.
+    /// The structured interior-point method; with `fallback`, Clarabel takes what it misses.
     Structured,
     /// Clarabel alone.
     #[default]
@@ -226,6 +226,9 @@ pub enum SolverMethod {
 pub struct SolverConfig {
     /// Which method.
     pub method: SolverMethod,
+    /// Whether Clarabel takes over, within the same step, what the structured method does not
+    /// solve to tolerance. Without it such a step drives the shifted plan, sooner.
+    pub fallback: bool,
     /// Tolerance of gap and feasibility.
     pub tolerance: f64,
     /// Most iterations of one solve.

@@ -92,6 +92,7 @@ impl Controller {
         let report = self.work.solve(&x_0, &mut self.memory);
         probe.end(Phase::Solve);
         status.solve = report.status;
+        status.solver = Some(report.backend);
         status.iterations = report.iterations;
         let supports = &self.work.supports;
         status.data_support_min = supports.iter().copied().fold(f64::INFINITY, f64::min);

@@ -75,6 +75,7 @@ impl Config {
             delay: DelayConfig { steps: 0 },
             solver: SolverConfig {
                 method: SolverMethod::Structured,
+                fallback: true,
                 tolerance: 1e-8,
                 max_iterations: 60,
             },

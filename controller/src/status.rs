@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
+use crate::fhocp::Backend;
+
 /// Where the car is: in the track's frame or in the global one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Pose {
@@ -125,6 +127,9 @@ pub struct Status {
     pub reason: Reason,
     /// How the solver ended.
     pub solve: SolveStatus,
+    /// Which solver that was; none if no problem was given to one in this step. With
+    /// `solver.method = "structured"`, Clarabel means that it took over.
+    pub solver: Option<Backend>,
     /// Iterations of the solver.
     pub iterations: u32,
     /// Number of the current lap, from 1.

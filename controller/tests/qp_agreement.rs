@@ -11,7 +11,12 @@ use support::random::random;
 use support::{Setting, closed_loop};
 
 fn config(tolerance: f64) -> SolverConfig {
-    SolverConfig { method: SolverMethod::Structured, tolerance, max_iterations: 200 }
+    SolverConfig {
+        method: SolverMethod::Structured,
+        fallback: true,
+        tolerance,
+        max_iterations: 200,
+    }
 }
 
 fn solve(solver: &mut impl FhocpSolver, problem: &Fhocp) -> (SolveReport, Solution) {

@@ -35,8 +35,12 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_allocation_after_the_first_solve_of_a_shape() {
-    let config =
-        SolverConfig { method: SolverMethod::Structured, tolerance: 1e-8, max_iterations: 100 };
+    let config = SolverConfig {
+        method: SolverMethod::Structured,
+        fallback: true,
+        tolerance: 1e-8,
+        max_iterations: 100,
+    };
     let mut solver = Solver::new(config);
     for parts in [0b11111, 0b00000] {
         let mut solution = Solution::new(12, 24);

@@ -12,7 +12,7 @@ use nalgebra::{Matrix6, Vector2, Vector6};
 use support::random::random;
 
 fn config(method: SolverMethod) -> SolverConfig {
-    SolverConfig { method, tolerance: 1e-8, max_iterations: 100 }
+    SolverConfig { method, fallback: true, tolerance: 1e-8, max_iterations: 100 }
 }
 
 fn structured(problem: &Fhocp) -> (SolveReport, Solution) {

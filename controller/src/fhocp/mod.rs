@@ -22,6 +22,7 @@ mod slacks;
 mod solver;
 
 use nalgebra::{Matrix6, Vector2, Vector6};
+use serde::{Deserialize, Serialize};
 
 pub use clarabel_solver::ClarabelSolver;
 pub(crate) use clarabel_solver::SolverSeed;
@@ -238,7 +239,7 @@ impl Solution {
 }
 
 /// Which solver a solution is from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Backend {
     /// The structured interior-point method, [`RiccatiSolver`].
     Structured,

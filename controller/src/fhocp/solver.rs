@@ -6,15 +6,16 @@ use super::{
 use crate::config::{SolverConfig, SolverMethod};
 use crate::status::SolveStatus;
 
-/// Greatest growth of the linear prediction for which the fallback is tried: beyond it Clarabel
-/// tends to report a feasible problem as infeasible, at the price of many iterations.
-const GROWTH_LIMIT: f64 = 1e3;
-
-/// Solver of the FHOCP by `solver.method`. The structured solver hands what it cannot solve to
-/// tolerance over to Clarabel within the same call; the report names the one whose solution it is.
+/// Solver of the FHOCP by `solver.method`. With `solver.fallback` the structured solver hands
+/// what it cannot solve to tolerance over to Clarabel within the same call; the report names the
+/// one whose solution it is.
+///
+/// Everything finite is handed over, however fast its prediction grows. What bounds the time is
+/// `solver.max_iterations`, not a clock: the same problem ends the same way on every machine.
 pub struct Solver {
     structured: Option<RiccatiSolver>,
     clarabel: ClarabelSolver,
+    fallback: bool,
 }
 
 impl Solver {
@@ -25,7 +26,8 @@ impl Solver {
             SolverMethod::Structured => Some(RiccatiSolver::new(config.clone())),
             SolverMethod::Clarabel => None,
         };
-        Self { structured, clarabel: ClarabelSolver::new(config) }
+        let fallback = config.fallback;
+        Self { structured, clarabel: ClarabelSolver::new(config), fallback }
     }
 }
 
@@ -46,11 +48,13 @@ impl FhocpSolver for Solver {
         let Some(structured) = &mut self.structured else {
             return self.clarabel.solve(problem, solution);
         };
+        if !self.fallback {
+            return structured.solve(problem, solution);
+        }
         // Memory for the fallback is laid out now: not in the step that needs it.
         self.clarabel.lay_out(problem);
         let first = structured.solve(problem, solution);
-        let hopeless = || !problem.is_finite() || problem.growth() > GROWTH_LIMIT;
-        if first.status == SolveStatus::Solved || hopeless() {
+        if first.status == SolveStatus::Solved || !problem.is_finite() {
             return first;
         }
         let second = self.clarabel.solve(problem, solution);
@@ -65,11 +69,11 @@ impl FhocpSolver for Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
 
     #[test]
     fn clarabel_takes_what_the_structured_solver_misses() {
-        let config =
-            SolverConfig { method: SolverMethod::Structured, tolerance: 1e-8, max_iterations: 60 };
+        let config = Config::default().solver;
         let mut problem = Fhocp::new(3, 2);
         problem.hull[1][0] = 1.0;
         problem.hull_cost = vec![1.0, 0.0];
@@ -86,8 +90,15 @@ mod tests {
         let report = solver.solve(&problem, &mut second);
         assert_eq!((report.status, report.backend), (SolveStatus::Solved, Backend::Clarabel));
         assert!((first.u[0] - second.u[0]).amax() < 1e-6, "{first:?} {second:?}");
-        // A prediction that explodes is not handed over.
+        // However fast the prediction grows.
         problem.model[0].a[(5, 5)] = 1e4;
-        assert_eq!(solver.solve(&problem, &mut second).backend, Backend::Structured);
+        assert_eq!(solver.solve(&problem, &mut second).backend, Backend::Clarabel);
+        // Only if it is asked for.
+        solver.fallback = false;
+        let report = solver.solve(&problem, &mut second);
+        assert_eq!(
+            (report.status, report.backend),
+            (SolveStatus::MaxIterations, Backend::Structured)
+        );
     }
 }

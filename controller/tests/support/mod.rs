@@ -97,6 +97,7 @@ pub fn closed_loop(setting: &Setting, count: usize) -> Vec<Fhocp> {
         [1.4, 1.6, 1.8, 2.0].iter().map(|speed| warm_up(&car, *speed)).collect();
     let mut solver = ClarabelSolver::new(SolverConfig {
         method: SolverMethod::Clarabel,
+        fallback: true,
         tolerance: 1e-8,
         max_iterations: 60,
     });

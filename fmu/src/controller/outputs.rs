@@ -1,5 +1,6 @@
 //! What a step tells the host.
 
+use controller::fhocp::Backend;
 use controller::{Action, Command, Reason, SolveStatus};
 use vehicle_model::State;
 
@@ -55,6 +56,15 @@ fn solve(solve: SolveStatus) -> f64 {
     }
 }
 
+/// Codes of the description of `status.solver`.
+fn solver(solver: Option<Backend>) -> f64 {
+    match solver {
+        None => 0.0,
+        Some(Backend::Structured) => 1.0,
+        Some(Backend::Clarabel) => 2.0,
+    }
+}
+
 impl ControllerFmu {
     /// Outputs before the first step: no command, the grip as configured or loaded.
     pub(super) fn publish_start(&self, values: &mut Values) {
@@ -73,6 +83,7 @@ impl ControllerFmu {
             1e3 * duration,
             flag(status.clipped),
             self.schedule.count() as f64,
+            solver(status.solver),
         ];
         write(values, &slots.status, numbers);
         let numbers = [

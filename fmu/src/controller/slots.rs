@@ -31,8 +31,8 @@ pub(crate) struct Slots {
     pub(crate) settings: Settings,
     /// Outputs a, delta.
     pub(crate) command: [Real; 2],
-    /// Action, reason, solver status, iterations, solve time, clipped, step counter.
-    pub(crate) status: [Real; 7],
+    /// Action, reason, solver status, iterations, solve time, clipped, step counter, solver.
+    pub(crate) status: [Real; 8],
     /// Lap in progress, laps finished, last lap time, best lap time, last lap valid.
     pub(crate) laps: [Real; 5],
     /// Frenet state used.
@@ -165,6 +165,11 @@ impl Slots {
             ),
             held("status.clipped", one, "1 if the command was cut to the car's limits"),
             held("status.steps", one, "Controller steps so far"),
+            held(
+                "status.solver",
+                one,
+                "0 none in this step, 1 structured, 2 Clarabel (it took over, unless chosen)",
+            ),
         ];
         let laps = [
             held("lap.number", one, "Lap in progress, from 1; 0 before the line is first crossed"),

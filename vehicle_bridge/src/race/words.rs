@@ -1,6 +1,7 @@
 //! The words of CSV, JSON and reports for what the controller says in types.
 
 use controller::config::{NominalModel, RegressionMode};
+use controller::fhocp::Backend;
 use controller::{Action, LapKind, Reason};
 
 /// The word of an action in CSV and JSON.
@@ -29,6 +30,16 @@ pub fn reason_word(reason: Reason) -> &'static str {
         Reason::WrongWay => "wrong_way",
         Reason::Standstill => "standstill",
         Reason::NoSafeSet => "no_safe_set",
+    }
+}
+
+/// The word of a solver in CSV and JSON; empty for none.
+#[must_use]
+pub fn solver_word(solver: Option<Backend>) -> &'static str {
+    match solver {
+        None => "",
+        Some(Backend::Structured) => "structured",
+        Some(Backend::Clarabel) => "clarabel",
     }
 }
 
