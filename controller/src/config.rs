@@ -184,7 +184,7 @@ pub struct LimitsConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WarmUpConfig {
-    /// Number of initial laps. [1, 100]
+    /// Number of initial laps. [1, 1000]
     pub laps: usize,
     /// Their speed [m/s].
     #[serde(rename = "speed_mps")]
@@ -311,7 +311,7 @@ impl Config {
         check.range("limits.front_slip_rad", self.limits.front_slip, 0.0, 1.5);
         check.range("limits.rear_slip_rad", self.limits.rear_slip, 0.0, 1.5);
         check.range("limits.speed_cap_mps", self.limits.speed_cap, 0.0, 1000.0);
-        check.count("warm_up.laps", self.warm_up.laps, 1, 100);
+        check.count("warm_up.laps", self.warm_up.laps, 1, 1000);
         check.range("warm_up.speed_mps", self.warm_up.speed, 0.1, 100.0);
         check.range("warm_up.noise_a_mps2", self.warm_up.noise_a, 0.0, 10.0);
         check.range("warm_up.noise_delta_rad", self.warm_up.noise_delta, 0.0, 0.5);

@@ -105,7 +105,8 @@ impl Controller {
         self.prepare_probed(&mut ());
     }
 
-    fn prepare_probed(&mut self, probe: &mut impl Probe) {
+    /// [`Controller::prepare`] that tells `probe` about its phases.
+    pub fn prepare_probed(&mut self, probe: &mut impl Probe) {
         if self.prepared {
             return;
         }

@@ -8,7 +8,7 @@ use crate::error::DataError;
 use crate::learning::dataset::Lap;
 use crate::learning::grip;
 use crate::learning::regression::{RegressionData, Targets};
-use crate::memory::{Derived, Memory};
+use crate::memory::Memory;
 use crate::status::LapKind;
 use crate::store::{self, Identity, Learned};
 
@@ -30,7 +30,8 @@ impl Controller {
         self.derive();
     }
 
-    /// Makes anew what follows from laps and grip; a lap's residuals only if the grip changed.
+    /// Brings what follows from laps and grip up to date: the residuals of the new laps, or of all
+    /// if the grip changed.
     pub(crate) fn derive(&mut self) {
         let (config, laps) = (&self.setup.config, &self.memory.dataset.laps);
         let fastest = config.safe_set.selection == Selection::Fastest;
@@ -39,29 +40,32 @@ impl Controller {
             0 => laps.len(),
             count => count.min(laps.len()),
         };
-        let before = &self.memory.derived;
-        let kept = (before.grip == self.memory.grip).then_some(&before.targets);
         let first = laps.len() - used;
-        let targets: Vec<_> = (first..laps.len())
-            .map(|i| kept.and_then(|kept| find(kept, i)).unwrap_or_else(|| (i, self.targets(i))))
-            .collect();
-        let of_laps = targets.iter().map(|(_, targets)| targets.as_ref());
-        let regression = RegressionData::new(of_laps, &config.regression);
-        let grip = self.memory.grip;
-        self.memory.derived = Arc::new(Derived { selected, regression, targets, grip });
+        // A snapshot that shares them keeps its own.
+        let mut derived = Arc::unwrap_or_clone(std::mem::take(&mut self.memory.derived));
+        if derived.grip != self.memory.grip {
+            derived.regression = RegressionData::new(&config.regression);
+            derived.grip = self.memory.grip;
+        }
+        derived.selected = selected;
+        derived.regression.forget_before(first);
+        for lap in derived.regression.next_lap(first)..laps.len() {
+            derived.regression.add(lap, &self.targets(lap));
+        }
+        self.memory.derived = Arc::new(derived);
     }
 
     /// What the regression learns from a lap.
-    fn targets(&self, lap: usize) -> Arc<Targets> {
+    fn targets(&self, lap: usize) -> Targets {
         let (model, track) = (&self.setup.model, &self.setup.track);
         let error = self.setup.config.regression.mode == RegressionMode::Error;
-        Arc::new(Targets::new(&self.memory.dataset.laps[lap], |x, u, next| {
+        Targets::new(&self.memory.dataset.laps[lap], |x, u, next| {
             if !error {
                 return next;
             }
             let f = model.next(x, u, |s| track.kappa(s));
             [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
-        }))
+        })
     }
 
     /// Everything learned, as bytes with a checksum and the fingerprint of car, track and
@@ -103,9 +107,4 @@ impl Controller {
             &self.setup.config,
         )
     }
-}
-
-/// The targets kept of lap `i`.
-fn find(kept: &[(usize, Arc<Targets>)], i: usize) -> Option<(usize, Arc<Targets>)> {
-    kept.binary_search_by_key(&i, |(lap, _)| *lap).ok().map(|at| kept[at].clone())
 }

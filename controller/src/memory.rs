@@ -10,7 +10,7 @@ use vehicle_model::{Input, State};
 
 use crate::config::Config;
 use crate::learning::dataset::Dataset;
-use crate::learning::regression::{RegressionData, Targets};
+use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
@@ -55,13 +55,11 @@ pub(crate) struct Memory {
 }
 
 /// What follows from the laps; made anew when they change.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Derived {
     /// Laps of the safe set.
     pub(crate) selected: Vec<usize>,
     pub(crate) regression: RegressionData,
-    /// Regression samples by lap, ascending.
-    pub(crate) targets: Vec<(usize, Arc<Targets>)>,
     /// Grip with which their residuals were computed.
     pub(crate) grip: [f64; 2],
 }

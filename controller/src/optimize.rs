@@ -47,7 +47,7 @@ impl Workspace {
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
-            scratch: Scratch::default(),
+            scratch: Scratch::new(&config.regression),
         }
     }
 

@@ -1,37 +1,14 @@
 //! The structured solver allocates at the first solve of a shape, never after.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
+#[path = "support/counting.rs"]
+mod counting;
 mod support;
-
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 
 use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{FhocpSolver, Solution, Solver};
+use counting::count;
 use support::random::random;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call goes to the system allocator as it came; counting does not allocate.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promises are passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promises are passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_allocation_after_the_first_solve_of_a_shape() {
@@ -45,13 +22,13 @@ fn no_allocation_after_the_first_solve_of_a_shape() {
     for parts in [0b11111, 0b00000] {
         let mut solution = Solution::new(12, 24);
         let problems: Vec<_> = (0..10).map(|seed| random(seed, 12, 24, parts)).collect();
-        let before = COUNT.get();
+        let before = count();
         assert!(solver.solve(&problems[0], &mut solution).status.usable());
-        let first = COUNT.get();
+        let first = count();
         assert!(first > before, "memory is laid out at the first solve");
         for problem in &problems {
             assert!(solver.solve(problem, &mut solution).status.usable());
         }
-        assert_eq!(COUNT.get(), first);
+        assert_eq!(count(), first);
     }
 }

@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector};
 use vehicle_model::{Input, State};
 
 use super::dataset::Lap;
-use super::neighbors::{DIMENSIONS, Neighbor, Point, Tree};
+use super::neighbors::{DIMENSIONS, Neighbor, Point, Tree, squared_distance};
 use crate::affine::Affine;
 use crate::config::{Features, RegressionConfig};
 
@@ -158,29 +158,67 @@ pub(crate) struct RegressionData {
     y: Vec<[f64; ROWS]>,
     tree: Tree,
     scale: [f64; DIMENSIONS],
+    /// Number of each lap and where its samples begin; laps follow one another.
+    laps: Vec<(usize, usize)>,
 }
 
-/// Memory a fit needs, reused from step to step.
+/// Memory a fit needs, reused from step to step; the neighbours found last are where the next
+/// search begins.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     neighbors: Vec<Neighbor>,
     samples: Vec<Weighted>,
 }
 
+impl Scratch {
+    /// Room for the neighbours of a fit.
+    pub(crate) fn new(config: &RegressionConfig) -> Self {
+        let count = config.neighbors;
+        Self { neighbors: Vec::with_capacity(count), samples: Vec::with_capacity(count) }
+    }
+}
+
 impl RegressionData {
-    /// Collects the laps' samples.
-    pub(crate) fn new<'a>(
-        laps: impl Iterator<Item = &'a Targets>,
-        config: &RegressionConfig,
-    ) -> Self {
-        let scale = config.metric.map(f64::sqrt);
-        let mut data = Self { scale, ..Self::default() };
-        for lap in laps {
-            data.z.extend_from_slice(&lap.z);
-            data.y.extend_from_slice(&lap.y);
+    /// No samples yet.
+    pub(crate) fn new(config: &RegressionConfig) -> Self {
+        Self { scale: config.metric.map(f64::sqrt), ..Self::default() }
+    }
+
+    /// The first lap from `first` on that has not been added.
+    pub(crate) fn next_lap(&self, first: usize) -> usize {
+        self.laps.last().map_or(first, |(lap, _)| lap + 1)
+    }
+
+    /// Adds the samples of lap number `lap`.
+    pub(crate) fn add(&mut self, lap: usize, targets: &Targets) {
+        let begin = self.z.len();
+        self.laps.push((lap, begin));
+        self.z.extend_from_slice(&targets.z);
+        self.y.extend_from_slice(&targets.y);
+        self.grow(begin);
+    }
+
+    /// Takes away the laps before `first`.
+    pub(crate) fn forget_before(&mut self, first: usize) {
+        let gone = self.laps.partition_point(|(lap, _)| *lap < first);
+        if gone == 0 {
+            return;
         }
-        data.tree = Tree::new(data.z.iter().map(|z| scaled(z, &scale)));
-        data
+        let begin = self.laps.get(gone).map_or(self.z.len(), |(_, begin)| *begin);
+        self.z.drain(..begin);
+        self.y.drain(..begin);
+        self.laps.drain(..gone);
+        for (_, old) in &mut self.laps {
+            *old -= begin;
+        }
+        self.tree = Tree::default();
+        self.grow(0);
+    }
+
+    /// Brings the samples from `begin` on into the tree.
+    fn grow(&mut self, begin: usize) {
+        let points: Vec<Point> = self.z[begin..].iter().map(|z| scaled(z, &self.scale)).collect();
+        self.tree.extend(&points);
     }
 
     /// Fit around z_bar: Gamma, and the sum of the kernel weights that support it.
@@ -194,7 +232,8 @@ impl RegressionData {
     ) -> (Gamma, f64) {
         let query = scaled(z_bar, &self.scale);
         let h = config.bandwidth;
-        self.tree.nearest(&query, config.neighbors, h, &mut scratch.neighbors);
+        let limit = h.min(self.reach(&query, config.neighbors, &scratch.neighbors));
+        self.tree.nearest(&query, config.neighbors, limit, &mut scratch.neighbors);
         scratch.samples.clear();
         let mut support = 0.0;
         for &(u, index) in &scratch.neighbors {
@@ -209,8 +248,61 @@ impl RegressionData {
             (Gamma::default(), 0.0)
         }
     }
+
+    /// A squared distance within which `count` samples lie for certain: those found for the point
+    /// before, which is near. Where the search looks first makes no difference to what it finds.
+    fn reach(&self, query: &Point, count: usize, before: &[Neighbor]) -> f64 {
+        if before.len() < count {
+            return f64::INFINITY;
+        }
+        let mut farthest: f64 = 0.0;
+        for &(_, index) in before {
+            // Indices may be those of data that are no more.
+            let Some(z) = self.z.get(index as usize) else { return f64::INFINITY };
+            farthest = farthest.max(squared_distance(&scaled(z, &self.scale), query));
+        }
+        farthest.next_up()
+    }
 }
 
 fn scaled(z: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Point {
     std::array::from_fn(|i| z[i] * scale[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn grown_and_cut_data_fit_as_those_made_at_once() {
+        let config = RegressionConfig { laps: 0, ..RegressionConfig::default() };
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(3);
+        let mut lap = |n: usize| {
+            let mut lap = Targets::default();
+            for _ in 0..n {
+                lap.z.push([(); DIMENSIONS].map(|()| rng.random_range(-1.0..1.0)));
+                lap.y.push([(); ROWS].map(|()| rng.random_range(-1.0..1.0)));
+            }
+            lap
+        };
+        let laps = [lap(150), lap(0), lap(90), lap(200)];
+        let (mut grown, mut scratch) = (RegressionData::new(&config), Scratch::new(&config));
+        let points: Vec<_> = lap(20).z;
+        for (first, end) in [(0, 1), (0, 3), (1, 4), (3, 4), (4, 4)] {
+            grown.forget_before(first);
+            let next = grown.next_lap(first);
+            for (i, lap) in laps.iter().enumerate().take(end).skip(next) {
+                grown.add(i, lap);
+            }
+            let mut once = RegressionData::new(&config);
+            (first..end).for_each(|i| once.add(i, &laps[i]));
+            for z in &points {
+                // The one begins where it was before, the other anywhere.
+                let fit = grown.fit(z, &config, &mut scratch);
+                assert_eq!(fit, once.fit(z, &config, &mut Scratch::new(&config)));
+                assert_eq!(fit.1 > 0.0, first < 4);
+            }
+        }
+    }
 }

@@ -127,7 +127,7 @@ const ROWS: &[Row] = &[
         limits.rear_slip
     ),
     real!("limits.speed_cap", unit::M_PER_S, "Speed cap; 0: off", [0.0, 1e3], limits.speed_cap),
-    count!("warm_up.laps", "Number of initial laps", [1.0, 100.0], warm_up.laps),
+    count!("warm_up.laps", "Number of initial laps", [1.0, 1000.0], warm_up.laps),
     real!("warm_up.speed", unit::M_PER_S, "Speed of the initial laps", [0.1, 100.0], warm_up.speed),
     real!(
         "warm_up.noise_a",
