@@ -7,6 +7,7 @@ use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Trac
 use crate::actuator::Actuators;
 use crate::config::{Config, NominalModel};
 use crate::error::ConfigError;
+use crate::fhocp::Fhocp;
 use crate::learned_model::LearnedModel;
 use crate::learning::dataset::Lap;
 use crate::learning::safe_set::SafeSet;
@@ -144,6 +145,13 @@ impl Controller {
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.memory.plan
+    }
+
+    /// The latest problem given to a solver; s counts from the car. After [`Controller::prepare`]
+    /// it is in part the next one.
+    #[must_use]
+    pub fn problem(&self) -> &Fhocp {
+        self.work.problem()
     }
 
     /// The safe set of the latest problem.

@@ -51,6 +51,10 @@ impl Workspace {
         }
     }
 
+    pub(crate) fn problem(&self) -> &Fhocp {
+        &self.problem
+    }
+
     pub(crate) fn set_speed_cap(&mut self, config: &Config) {
         self.problem.speed_max = bound(config.limits.speed_cap);
     }
