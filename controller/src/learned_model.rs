@@ -37,12 +37,34 @@ pub(crate) fn nominal(
     x: &State,
     u: &Input,
 ) -> Affine {
+    let mut affine = [Affine::default()];
+    nominal_all(model, mode, track, &[(*x, *u)], &mut affine);
+    affine[0]
+}
+
+/// [`nominal`] at every point.
+pub(crate) fn nominal_all(
+    model: &Discretized,
+    mode: RegressionMode,
+    track: &Track,
+    points: &[(State, Input)],
+    affine: &mut [Affine],
+) {
     if mode == RegressionMode::Full {
-        return euler_pose_rows(x, track.kappa(x.s), model.dt);
+        for (affine, (x, _)) in affine.iter_mut().zip(points) {
+            *affine = euler_pose_rows(x, track.kappa(x.s), model.dt);
+        }
+        return;
     }
-    let linear = model.linearize(x, u, |s| track.kappa(s));
-    let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
-    Affine { a: linear.a, b: linear.b, c }
+    model.linearize_all(
+        points,
+        |s| track.kappa(s),
+        |i, linear| {
+            let (x, u) = &points[i];
+            let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
+            affine[i] = Affine { a: linear.a, b: linear.b, c };
+        },
+    );
 }
 
 /// A^e, B^e, C^e at (x, u) and their support; zero without data.

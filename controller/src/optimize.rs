@@ -16,6 +16,8 @@ use crate::status::{Phase, Probe};
 pub(crate) struct Workspace {
     problem: Fhocp,
     solution: Solution,
+    /// States and acting inputs the model is linearised at.
+    points: Vec<(State, Input)>,
     pub(crate) solver: Solver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
@@ -43,6 +45,7 @@ impl Workspace {
         Self {
             problem,
             solution: Solution::new(n, hull),
+            points: Vec::with_capacity(n),
             solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
@@ -80,11 +83,9 @@ impl Workspace {
     }
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
-        let mode = setup.config.regression.mode;
+        self.points.clear();
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
-            let acting = setup.actuators.mean(before(memory, t), *u);
-            self.problem.model[t] =
-                learned_model::nominal(&setup.model, mode, &setup.track, x, &acting);
+            self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = front_slip(&setup.car, x, u);
             // The lane and the rear guard bind the state at the stage's end.
             let next = &memory.plan.x[t + 1];
@@ -93,16 +94,16 @@ impl Workspace {
             self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin;
             self.problem.e_y_min[t] = margin - setup.track.width_right(next.s);
         }
+        let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
+        learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
     }
 
     fn regress(&mut self, setup: &Setup, memory: &Memory) {
         let (data, config) = (&memory.derived.regression, &setup.config.regression);
         self.supports.clear();
-        for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
+        for (t, ((x, acting), u)) in self.points.iter().zip(&memory.plan.u).enumerate() {
             let before = before(memory, t);
-            let acting = setup.actuators.mean(before, *u);
-            let (error, support) =
-                learned_model::error(data, config, x, &acting, &mut self.scratch);
+            let (error, support) = learned_model::error(data, config, x, acting, &mut self.scratch);
             let learned = self.problem.model[t] + error;
             self.problem.model[t] = if t == 0 {
                 setup.actuators.first_stage(&learned, before)

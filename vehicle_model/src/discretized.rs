@@ -1,13 +1,15 @@
 //! One control step of a model: Runge-Kutta 4 with the input held, and its exact Jacobians.
 
+#[cfg(test)]
+mod oracle;
 mod variation;
 
-use nalgebra::{Const, Matrix6, Matrix6x2, U1, Vector6};
-use num_dual::DualSVec64;
+use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use variation::By;
 
-use crate::model::{Model, ModelKind, Number, PoseConvention, pose_rates, state_array};
+use crate::model::{Model, ModelKind, PoseConvention, pose_rates, state_array};
+use crate::number::{Dual, Number, Real};
 use crate::state::{Input, NU, NX, State};
 
 /// Directions of a linearisation: six states, two inputs.
@@ -53,6 +55,24 @@ impl Discretized {
         }
     }
 
+    /// [`Discretized::linearize`] at every point, to the last bit, but several points at once in
+    /// the lanes of the processor's vectors; `found` gets each point's index and result in order.
+    pub fn linearize_all(
+        &self,
+        points: &[(State, Input)],
+        kappa: impl Fn(f64) -> f64,
+        mut found: impl FnMut(usize, Linearization),
+    ) {
+        match self.model.kind {
+            ModelKind::Dynamic => variation::linearize_all(self, points, &kappa, &mut found),
+            ModelKind::Kinematic => {
+                for (i, (x, u)) in points.iter().enumerate() {
+                    found(i, self.linearize_directly(x, u, &kappa));
+                }
+            }
+        }
+    }
+
     /// The whole step in dual numbers: short, and cheap enough where the velocities are algebraic.
     fn linearize_directly(
         &self,
@@ -60,25 +80,16 @@ impl Discretized {
         u: &Input,
         kappa: &impl Fn(f64) -> f64,
     ) -> Linearization {
-        type Dual = DualSVec64<DIRECTIONS>;
+        type D = Dual<f64, DIRECTIONS>;
         let values = state_array(x);
-        let state: [Dual; NX] = std::array::from_fn(|i| Dual::from_re(values[i]).derivative(i));
-        let input = [Dual::from_re(u.a).derivative(NX), Dual::from_re(u.delta).derivative(NX + 1)];
-        let grip = self.model.grip.map(Dual::from_re);
-        let next = self.step(&state, &input, &grip, kappa);
-
-        let mut a = Matrix6::zeros();
-        let mut b = Matrix6x2::zeros();
-        for (row, number) in next.iter().enumerate() {
-            let gradient = number.eps.unwrap_generic(Const::<DIRECTIONS>, U1);
-            for column in 0..NX {
-                a[(row, column)] = gradient[column];
-            }
-            for column in 0..NU {
-                b[(row, column)] = gradient[NX + column];
-            }
+        let state: [D; NX] = std::array::from_fn(|i| D::direction(values[i], i));
+        let input = [D::direction(u.a, NX), D::direction(u.delta, NX + 1)];
+        let next = self.step(&state, &input, &self.model.grip.map(D::fixed), kappa);
+        Linearization {
+            next: Vector6::from_fn(|row, _| next[row].value),
+            a: Matrix6::from_fn(|row, column| next[row].gradient[column]),
+            b: Matrix6x2::from_fn(|row, column| next[row].gradient[NX + column]),
         }
-        Linearization { next: self.next(x, u, kappa).to_vector(), a, b }
     }
 
     /// State after one control step and its Jacobian by the grip factors of the front and rear
@@ -117,8 +128,8 @@ impl Discretized {
         let (substeps, h) = self.grid();
         match self.model.kind {
             ModelKind::Dynamic => (0..substeps).fold(*x, |x, _| {
-                runge_kutta_4(&x, h, |x, _| {
-                    self.model.derivative_generic(x, u, kappa(x[4].re()), grip)
+                runge_kutta_4(&x, h, &|x: &[T; NX], _| {
+                    self.model.derivative_generic(x, u, x[4].real().map(kappa), grip)
                 })
             }),
             ModelKind::Kinematic => self.kinematic_step(x, u, substeps, h, kappa),
@@ -138,11 +149,12 @@ impl Discretized {
         let measured = [x[0], x[1], x[2]];
         let reached = self.model.kinematic_velocities(x, u, self.dt);
         let a = self.model.kinematic_rate(x, u);
+        let per_dt = 1.0 / self.dt;
         let velocities = |t: f64| match self.model.pose {
             PoseConvention::Held => measured,
             PoseConvention::Algebraic => self.model.rolling_velocities(measured[0] + a * t, u[1]),
             PoseConvention::Interpolated => {
-                let share = t / self.dt;
+                let share = t * per_dt;
                 std::array::from_fn(|i| measured[i] + (reached[i] - measured[i]) * share)
             }
         };
@@ -150,24 +162,43 @@ impl Discretized {
         for i in 0..substeps {
             #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
             let start = i as f64 * h;
-            pose = runge_kutta_4(&pose, h, |pose, t| {
-                pose_rates(&velocities(start + t), pose, kappa(pose[1].re()))
+            pose = runge_kutta_4(&pose, h, &|pose: &[T; 3], t| {
+                pose_rates(&velocities(start + t), pose, pose[1].real().map(kappa))
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]
     }
 }
 
-/// One step of the classical Runge-Kutta method of order four; `f` sees the time since its start.
+/// Rates of change of a system.
+pub(crate) trait Rates<T, const N: usize> {
+    /// Rates at `x`, at time `t` since the start of a step.
+    fn rates(&self, x: &[T; N], t: f64) -> [T; N];
+}
+
+impl<T, const N: usize, F: Fn(&[T; N], f64) -> [T; N]> Rates<T, N> for F {
+    #[inline(always)]
+    fn rates(&self, x: &[T; N], t: f64) -> [T; N] {
+        self(x, t)
+    }
+}
+
+/// One step of the classical Runge-Kutta method of order four.
+#[inline(always)]
 pub(crate) fn runge_kutta_4<T: Number, const N: usize>(
     x: &[T; N],
     h: f64,
-    f: impl Fn(&[T; N], f64) -> [T; N],
+    f: &impl Rates<T, N>,
 ) -> [T; N] {
-    let ahead = |k: &[T; N], h: f64| std::array::from_fn(|i| x[i] + k[i] * h);
-    let k1 = f(x, 0.0);
-    let k2 = f(&ahead(&k1, h / 2.0), h / 2.0);
-    let k3 = f(&ahead(&k2, h / 2.0), h / 2.0);
-    let k4 = f(&ahead(&k3, h), h);
-    std::array::from_fn(|i| x[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0))
+    // As a loop the rates stand once in the program: short enough to be compiled in place.
+    let (mut next, mut at) = (*x, *x);
+    // Time of each evaluation, its weight in the sum, and where the next one is made.
+    for (t, weight, ahead) in [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)] {
+        let k = f.rates(&at, t * h);
+        for i in 0..N {
+            next[i] = next[i] + k[i] * (weight * h / 6.0);
+            at[i] = x[i] + k[i] * (ahead * h);
+        }
+    }
+    next
 }

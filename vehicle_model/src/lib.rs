@@ -11,6 +11,7 @@ pub mod error;
 mod fingerprint;
 pub mod limiter;
 pub mod model;
+mod number;
 pub mod params;
 pub mod plant;
 pub mod slip;

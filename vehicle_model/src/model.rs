@@ -1,26 +1,21 @@
 //! Single-track (bicycle) models of the car in the Frenet frame.
 //!
 //! The equations are written once, over a generic number: plain `f64` gives values, dual numbers
-//! give exact Jacobians of the same code.
+//! give exact Jacobians of the same code, lanes of a vector register several cars at once.
 
 mod axles;
 mod bicycle;
 mod kinematic;
 mod tyre;
 
-use num_dual::DualNum;
 use serde::{Deserialize, Serialize};
 
+use crate::number::Number;
 use crate::params::CarParams;
 use crate::state::{Input, NU, NX, State};
 
 pub use axles::AxleForces;
 pub(crate) use tyre::slip_speed;
-
-/// A number the equations can be evaluated with: `f64` or a dual number over it.
-pub trait Number: DualNum<Primitive = f64> + Copy {}
-
-impl<T: DualNum<Primitive = f64> + Copy> Number for T {}
 
 /// Which equations a model uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -90,11 +85,12 @@ impl Model {
     }
 
     /// The one source of the equations; `grip` are the factors on the friction coefficients.
+    #[inline(always)]
     pub(crate) fn derivative_generic<T: Number>(
         &self,
         x: &[T; NX],
         u: &[T; NU],
-        kappa: f64,
+        kappa: T::Real,
         grip: &[T; 2],
     ) -> [T; NX] {
         let velocity = self.velocity_rates(&[x[0], x[1], x[2]], u, grip);
@@ -103,6 +99,7 @@ impl Model {
     }
 
     /// Rates of [v_x, v_y, omega_z], which do not depend on the pose.
+    #[inline(always)]
     pub(crate) fn velocity_rates<T: Number>(
         &self,
         v: &[T; 3],
@@ -116,6 +113,7 @@ impl Model {
     }
 
     /// Velocities of the kinematic model at the end of a step of `dt`.
+    #[inline(always)]
     pub(crate) fn kinematic_velocities<T: Number>(
         &self,
         x: &[T; NX],
@@ -126,11 +124,13 @@ impl Model {
     }
 
     /// Longitudinal acceleration of the kinematic model.
+    #[inline(always)]
     pub(crate) fn kinematic_rate<T: Number>(&self, x: &[T; NX], u: &[T; NU]) -> T {
         kinematic::speed_rate(&self.params, x[0], u[0])
     }
 
     /// Kinematic velocities at a speed.
+    #[inline(always)]
     pub(crate) fn rolling_velocities<T: Number>(&self, v_x: T, delta: T) -> [T; 3] {
         kinematic::velocities(&self.params, v_x, delta)
     }
@@ -142,17 +142,16 @@ const MIN_FRENET_SCALE: f64 = 0.05;
 
 /// Rates of the pose [e_psi, s, e_y] from the velocities [v_x, v_y, omega_z] (Frenet kinematics;
 /// Xue et al. 2023, eq. 2).
-pub(crate) fn pose_rates<T: Number>(v: &[T; 3], pose: &[T; 3], kappa: f64) -> [T; 3] {
+#[inline(always)]
+pub(crate) fn pose_rates<T: Number>(v: &[T; 3], pose: &[T; 3], kappa: T::Real) -> [T; 3] {
     let [v_x, v_y, omega_z] = *v;
     let [e_psi, _, e_y] = *pose;
     let (sin_psi, cos_psi) = e_psi.sin_cos();
-    let mut scale = -(e_y * kappa) + 1.0;
-    if scale.re() < MIN_FRENET_SCALE {
-        scale = T::from(MIN_FRENET_SCALE);
-    }
-    // By the reciprocal: values and dual numbers round alike.
+    let scale = -e_y.scale(kappa) + 1.0;
+    let least = scale.constant(MIN_FRENET_SCALE);
+    let scale = T::select(scale.below(MIN_FRENET_SCALE), least, scale);
     let s_dot = (v_x * cos_psi - v_y * sin_psi) * scale.recip();
-    [omega_z - s_dot * kappa, s_dot, v_x * sin_psi + v_y * cos_psi]
+    [omega_z - s_dot.scale(kappa), s_dot, v_x * sin_psi + v_y * cos_psi]
 }
 
 /// The state as an array in the common order.

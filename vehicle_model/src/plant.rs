@@ -166,7 +166,7 @@ impl Plant {
         self.model.grip = disturbance.grip(time, self.track.wrap(before.s));
         let (model, track) = (&self.model, &self.track);
         let input = [u.a, u.delta];
-        let next = runge_kutta_4(&state_array(&before), h, |x, _| {
+        let next = runge_kutta_4(&state_array(&before), h, &|x: &[f64; crate::NX], _| {
             let mut rates = model.derivative_generic(x, &input, track.kappa(x[4]), &model.grip);
             if disturbance.pushes() {
                 let heading = track.heading(x[4]) + x[3];

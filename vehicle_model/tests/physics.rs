@@ -59,14 +59,15 @@ fn printed_equations(car: &CarParams, x: &State, u: &Input, kappa: f64) -> [f64;
 }
 
 #[test]
-fn switched_off_leaves_the_printed_equations_bit_for_bit() {
-    // The blend is on: above its upper speed it must not be there.
+fn switched_off_leaves_the_printed_equations() {
+    // The blend is on: above its upper speed it must not be there. The model has its own sine and
+    // inverse tangent, so that rounding differs, and nothing else.
     let car = barc();
     for (x, u, kappa) in states() {
-        assert_eq!(
-            dynamic(car.clone()).derivative(&x, &u, kappa),
-            printed_equations(&car, &x, &u, kappa)
-        );
+        let found = dynamic(car.clone()).derivative(&x, &u, kappa);
+        for (found, printed) in found.into_iter().zip(printed_equations(&car, &x, &u, kappa)) {
+            assert!((found - printed).abs() < 1e-13 * printed.abs().max(1.0), "{x:?} {u:?}");
+        }
     }
 }
 

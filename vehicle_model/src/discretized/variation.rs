@@ -9,25 +9,25 @@
 //!
 //! p being two parameters held over the step: the input, or the grip factors.
 
-use nalgebra::{Matrix3, Matrix6, Matrix6x2, SMatrix, Vector6};
-use num_dual::DualSVec64;
+use nalgebra::{Matrix6, Matrix6x2, Vector6};
+use pulp::{Arch, Simd, WithSimd};
 
-use super::{Discretized, Linearization, runge_kutta_4};
+use super::{Discretized, Linearization, Rates, runge_kutta_4};
 use crate::model::{pose_rates, state_array};
+use crate::number::{Dual, Lanes, Real};
 use crate::state::{Input, NU, NX, State};
 
-/// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block: v_x, v_y,
-/// omega_z, e_psi, e_y.
+/// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block:
+/// v_x, v_y, omega_z, e_psi, e_y.
 const N: usize = 5;
+/// Columns of Q: e_psi and e_y. Nothing but s itself depends on s.
+const POSE: [usize; 2] = [3, 5];
 
-type Dual = DualSVec64<N>;
-type Block = SMatrix<f64, 3, N>;
-
-/// State, V, P and Q in one vector, so that one Runge-Kutta step moves them together.
+/// State, V, P and Q row by row in one array, so that one Runge-Kutta step moves them together.
 const V: usize = NX;
 const P: usize = V + 3 * N;
 const Q: usize = P + 3 * N;
-const ALL: usize = Q + 9;
+const ALL: usize = Q + 3 * POSE.len();
 
 /// The two parameters that are held over a step and derived by.
 #[derive(Clone, Copy)]
@@ -46,77 +46,149 @@ pub(super) fn linearize(
     by: By,
     kappa: &impl Fn(f64) -> f64,
 ) -> Linearization {
-    let mut y = [0.0; ALL];
-    y[..NX].copy_from_slice(&state_array(x));
-    y[V..P].copy_from_slice(Block::identity().as_slice());
-    y[Q..].copy_from_slice(Matrix3::<f64>::identity().as_slice());
+    let y = integrate(step, &state_array(x), [u.a, u.delta], by, kappa);
+    unpack(|i| y[i])
+}
 
-    let (substeps, h) = step.grid();
-    for _ in 0..substeps {
-        y = runge_kutta_4(&y, h, |y, _| rates(step, y, u, by, kappa(y[4])));
+/// Jacobians by state and input at all points, as many at once as the processor has lanes.
+pub(super) fn linearize_all(
+    step: &Discretized,
+    points: &[(State, Input)],
+    kappa: &impl Fn(f64) -> f64,
+    found: &mut impl FnMut(usize, Linearization),
+) {
+    Arch::new().dispatch(Task { step, points, kappa, found });
+}
+
+struct Task<'a, K, F> {
+    step: &'a Discretized,
+    points: &'a [(State, Input)],
+    kappa: &'a K,
+    found: &'a mut F,
+}
+
+impl<K: Fn(f64) -> f64, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut first = 0;
+        for points in self.points.chunks(S::F64_LANES) {
+            // The last point fills what lanes are left over.
+            let point = |lane: usize| points[lane.min(points.len() - 1)];
+            let mut x = [Lanes::from_fn(simd, |_| 0.0); NX];
+            for (i, x) in x.iter_mut().enumerate() {
+                *x = Lanes::from_fn(simd, |lane| state_array(&point(lane).0)[i]);
+            }
+            let a = Lanes::from_fn(simd, |lane| point(lane).1.a);
+            let delta = Lanes::from_fn(simd, |lane| point(lane).1.delta);
+            let y = integrate(self.step, &x, [a, delta], By::Input, self.kappa);
+            for lane in 0..points.len() {
+                (self.found)(first + lane, unpack(|i| y[i].lane(lane)));
+            }
+            first += points.len();
+        }
     }
+}
 
-    let by_start = Block::from_column_slice(&y[V..P]);
-    let pose_by_start = Block::from_column_slice(&y[P..Q]);
+/// State, V, P and Q after the step.
+#[inline(always)]
+fn integrate<T: Real>(
+    step: &Discretized,
+    x: &[T; NX],
+    u: [T; NU],
+    by: By,
+    kappa: &impl Fn(f64) -> f64,
+) -> [T; ALL] {
+    let mut y = [x[0].constant(0.0); ALL];
+    y[..NX].copy_from_slice(x);
+    let one = x[0].constant(1.0);
+    for i in 0..3 {
+        y[V + i * N + i] = one;
+    }
+    (y[Q], y[Q + 5]) = (one, one);
+    let (substeps, h) = step.grid();
+    let system = System { step, u, by, kappa };
+    for _ in 0..substeps {
+        y = runge_kutta_4(&y, h, &system);
+    }
+    y
+}
+
+/// The matrices of the array `y`.
+fn unpack(y: impl Fn(usize) -> f64) -> Linearization {
     let mut a = Matrix6::zeros();
     let mut b = Matrix6x2::zeros();
-    a.fixed_view_mut::<3, 3>(0, 0).copy_from(&by_start.fixed_columns::<3>(0));
-    a.fixed_view_mut::<3, 3>(3, 0).copy_from(&pose_by_start.fixed_columns::<3>(0));
-    a.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_column_slice(&y[Q..]));
-    b.fixed_view_mut::<3, NU>(0, 0).copy_from(&by_start.fixed_columns::<NU>(3));
-    b.fixed_view_mut::<3, NU>(3, 0).copy_from(&pose_by_start.fixed_columns::<NU>(3));
-    Linearization { next: Vector6::from_column_slice(&y[..NX]), a, b }
+    for row in 0..NX {
+        for column in 0..3 {
+            a[(row, column)] = y(V + row * N + column);
+        }
+        for column in 0..NU {
+            b[(row, column)] = y(V + row * N + 3 + column);
+        }
+    }
+    for row in 0..3 {
+        for (i, column) in POSE.into_iter().enumerate() {
+            a[(3 + row, column)] = y(Q + row * POSE.len() + i);
+        }
+    }
+    a[(4, 4)] = 1.0;
+    Linearization { next: Vector6::from_fn(|row, _| y(row)), a, b }
+}
+
+/// State, V, P and Q as a system of differential equations. A closure would be compiled apart from
+/// the vector instructions around it.
+struct System<'a, T, K> {
+    step: &'a Discretized,
+    u: [T; NU],
+    by: By,
+    kappa: &'a K,
+}
+
+impl<T: Real, K: Fn(f64) -> f64> Rates<T, ALL> for System<'_, T, K> {
+    #[inline(always)]
+    fn rates(&self, y: &[T; ALL], _: f64) -> [T; ALL] {
+        rates(self.step, y, &self.u, self.by, y[4].map(self.kappa))
+    }
 }
 
 /// Rates of state, V, P and Q.
-fn rates(step: &Discretized, y: &[f64; ALL], u: &Input, by: By, kappa: f64) -> [f64; ALL] {
-    let seed = |value: f64, direction: usize| Dual::from_re(value).derivative(direction);
+#[inline(always)]
+fn rates<T: Real>(step: &Discretized, y: &[T; ALL], u: &[T; NU], by: By, kappa: T) -> [T; ALL] {
+    let seed = Dual::<T, N>::direction;
+    let fixed = Dual::<T, N>::fixed;
     let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
-    let (mut input, mut grip) =
-        ([u.a, u.delta].map(Dual::from_re), step.model.grip.map(Dual::from_re));
-    let parameters = match by {
-        By::Input => &mut input,
-        By::Grip => &mut grip,
+    let [front, rear] = step.model.grip;
+    let grip = [y[0].constant(front), y[0].constant(rear)];
+    let (input, grip) = match by {
+        By::Input => ([seed(u[0], 3), seed(u[1], 4)], [fixed(grip[0]), fixed(grip[1])]),
+        By::Grip => ([fixed(u[0]), fixed(u[1])], [seed(grip[0], 3), seed(grip[1], 4)]),
     };
-    for (number, direction) in parameters.iter_mut().zip(3..) {
-        *number = number.derivative(direction);
-    }
-    let (v_dot, by_v) = split(&step.model.velocity_rates(&v, &input, &grip));
-    let pose = [seed(y[3], 3), Dual::from_re(y[4]), seed(y[5], 4)];
-    let (pose_dot, by_pose) = split(&pose_rates(&v, &pose, kappa));
+    let v_dot = step.model.velocity_rates(&v, &input, &grip);
+    let pose = [seed(y[3], 3), fixed(y[4]), seed(y[5], 4)];
+    let pose_dot = pose_rates(&v, &pose, kappa);
 
-    let velocity = Block::from_column_slice(&y[V..P]);
-    let pose_by_start = Block::from_column_slice(&y[P..Q]);
-    let pose_by_pose = Matrix3::from_column_slice(&y[Q..]);
-
-    let mut v_variation = by_v.fixed_columns::<3>(0) * velocity;
-    for column in 3..N {
-        for row in 0..3 {
-            v_variation[(row, column)] += by_v[(row, column)];
+    let mut rates = [y[0].constant(0.0); ALL];
+    for row in 0..3 {
+        rates[row] = v_dot[row].value;
+        rates[3 + row] = pose_dot[row].value;
+        let (by_v, by_pose) = (v_dot[row].gradient, pose_dot[row].gradient);
+        for column in 0..N {
+            let v = |i: usize| y[V + i * N + column];
+            let p = |i: usize| y[P + i * N + column];
+            let product = by_v[0] * v(0) + by_v[1] * v(1) + by_v[2] * v(2);
+            rates[V + row * N + column] = if column < 3 { product } else { product + by_v[column] };
+            // The curvature is frozen: no rate depends on s.
+            rates[P + row * N + column] = by_pose[0] * v(0)
+                + by_pose[1] * v(1)
+                + by_pose[2] * v(2)
+                + by_pose[3] * p(0)
+                + by_pose[4] * p(2);
+        }
+        for column in 0..POSE.len() {
+            let q = |i: usize| y[Q + i * POSE.len() + column];
+            rates[Q + row * POSE.len() + column] = by_pose[3] * q(0) + by_pose[4] * q(2);
         }
     }
-    // The curvature is frozen: no rate depends on s.
-    let mut f_pose = Matrix3::zeros();
-    f_pose.set_column(0, &by_pose.column(3));
-    f_pose.set_column(2, &by_pose.column(4));
-
-    let mut rates = [0.0; ALL];
-    rates[..3].copy_from_slice(&v_dot);
-    rates[3..V].copy_from_slice(&pose_dot);
-    rates[V..P].copy_from_slice(v_variation.as_slice());
-    let p_variation = by_pose.fixed_columns::<3>(0) * velocity + f_pose * pose_by_start;
-    rates[P..Q].copy_from_slice(p_variation.as_slice());
-    rates[Q..].copy_from_slice((f_pose * pose_by_pose).as_slice());
     rates
-}
-
-/// Values and Jacobian of three dual numbers.
-fn split(numbers: &[Dual; 3]) -> ([f64; 3], Block) {
-    let mut jacobian = Block::zeros();
-    for (row, number) in numbers.iter().enumerate() {
-        if let Some(gradient) = &number.eps.0 {
-            jacobian.set_row(row, &gradient.transpose());
-        }
-    }
-    (numbers.map(|number| number.re), jacobian)
 }

@@ -1,6 +1,6 @@
 //! Longitudinal forces and vertical loads of the two axles.
 
-use super::Number;
+use crate::number::{Mask, Number, Real};
 use crate::params::{CarParams, GRAVITY};
 
 /// Speed below which rolling resistance fades to zero, so that it stops a car and does not push
@@ -28,46 +28,54 @@ pub struct AxleForces<T> {
 pub(super) struct Longitudinal<T> {
     /// Acceleration by the wheels of the front and rear axle [m/s^2].
     pub(super) axle: [T; 2],
-    /// Share on the front axle is not zero.
+    /// Whether any of it may be on the front axle.
     pub(super) front_acts: bool,
     /// Deceleration by drag and rolling resistance [m/s^2]; `None` if all are off.
     pub(super) resistance: Option<T>,
 }
 
 /// Splits the commanded acceleration between the axles, inside power and force limits.
+#[inline(always)]
 pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitudinal<T> {
-    let driving = a.re() >= 0.0;
-    let share = if driving { car.drive_front } else { car.brake_front };
-    let a = limited(car, v_x, a);
-    let axle = if share == 0.0 { [T::from(0.0), a] } else { [a * share, a * (1.0 - share)] };
-    Longitudinal { axle, front_acts: share != 0.0, resistance: resistance(car, v_x) }
+    let braking = a.below(0.0);
+    let front_acts = car.drive_front != 0.0 || car.brake_front != 0.0;
+    let a = limited(car, v_x, a, braking);
+    let axle = if front_acts {
+        let (brake, drive) = (car.brake_front, car.drive_front);
+        [
+            T::select(braking, a * brake, a * drive),
+            T::select(braking, a * (1.0 - brake), a * (1.0 - drive)),
+        ]
+    } else {
+        [a.constant(0.0), a]
+    };
+    Longitudinal { axle, front_acts, resistance: resistance(car, v_x) }
 }
 
 /// The commanded acceleration inside the limits of engine and brakes.
-fn limited<T: Number>(car: &CarParams, v_x: T, a: T) -> T {
-    if a.re() < 0.0 {
-        return match car.brake_force_max {
-            Some(force) if a.re() < -force / car.mass => T::from(-force / car.mass),
-            _ => a,
-        };
-    }
-    let mut a = a;
-    if let Some(force) = car.drive_force_max
-        && a.re() > force / car.mass
-    {
-        a = T::from(force / car.mass);
+#[inline(always)]
+fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
+    let mut driven = a;
+    if let Some(force) = car.drive_force_max {
+        let most = force / car.mass;
+        driven = T::select(a.above(most), a.constant(most), driven);
     }
     if let Some(power) = car.power_max {
-        let speed = if v_x.re() > MIN_POWER_SPEED { v_x } else { T::from(MIN_POWER_SPEED) };
+        let slow = v_x.constant(MIN_POWER_SPEED);
+        let speed = T::select(v_x.above(MIN_POWER_SPEED), v_x, slow);
         let most = speed.recip() * (power / car.mass);
-        if a.re() > most.re() {
-            a = most;
-        }
+        driven = T::select(most.real().less(driven.real()), most, driven);
     }
-    a
+    let mut braked = a;
+    if let Some(force) = car.brake_force_max {
+        let least = -force / car.mass;
+        braked = T::select(a.below(least), a.constant(least), braked);
+    }
+    T::select(braking, braked, driven)
 }
 
 /// Deceleration by drag, rolling resistance and the studies' linear drag.
+#[inline(always)]
 fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
     let drag = 0.5 * car.rho * car.cd * car.area / car.mass;
     if drag == 0.0 && car.rolling == 0.0 && car.linear_drag == 0.0 {
@@ -76,37 +84,37 @@ fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
     let mut sum = v_x * v_x.abs() * drag + v_x * car.linear_drag;
     if car.rolling != 0.0 {
         let speed = (v_x * v_x + ROLLING_FADE_SPEED * ROLLING_FADE_SPEED).sqrt();
-        sum += v_x * speed.recip() * (car.rolling * GRAVITY);
+        sum = sum + v_x * speed.recip() * (car.rolling * GRAVITY);
     }
     Some(sum)
 }
 
 /// Vertical loads: static, plus downforce, plus transfer by the longitudinal acceleration.
+#[inline(always)]
 pub(super) fn vertical_loads<T: Number>(
     car: &CarParams,
     v_x: T,
     along: &Longitudinal<T>,
 ) -> [T; 2] {
     let fixed = car.static_loads();
-    let mut loads = fixed.map(T::from);
+    let mut loads = [v_x.constant(fixed[0]), v_x.constant(fixed[1])];
     let pressure = 0.5 * car.rho * car.area;
     for (load, cl) in loads.iter_mut().zip([car.cl_front, car.cl_rear]) {
         if pressure * cl != 0.0 {
-            *load += v_x * v_x * (pressure * cl);
+            *load = *load + v_x * v_x * (pressure * cl);
         }
     }
     if car.h_cg != 0.0 {
         let mut a_x = along.axle[0] + along.axle[1];
         if let Some(resistance) = along.resistance {
-            a_x -= resistance;
+            a_x = a_x - resistance;
         }
         let transfer = a_x * (car.mass * car.h_cg / car.wheelbase());
-        loads[0] -= transfer;
-        loads[1] += transfer;
+        loads[0] = loads[0] - transfer;
+        loads[1] = loads[1] + transfer;
         for (load, fixed) in loads.iter_mut().zip(fixed) {
-            if load.re() < MIN_LOAD_SHARE * fixed {
-                *load = T::from(MIN_LOAD_SHARE * fixed);
-            }
+            let least = MIN_LOAD_SHARE * fixed;
+            *load = T::select(load.below(least), load.constant(least), *load);
         }
     }
     loads

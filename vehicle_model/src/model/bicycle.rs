@@ -8,7 +8,8 @@
 //! acts along the wheel: cos(delta) of it forward, sin(delta) to the left.
 
 use super::axles::{AxleForces, Longitudinal, longitudinal, vertical_loads};
-use super::{Number, kinematic, tyre};
+use super::{kinematic, tyre};
+use crate::number::{Number, Real};
 use crate::params::{CarParams, Tyre};
 use crate::state::NU;
 
@@ -17,37 +18,37 @@ use crate::state::NU;
 const MIN_ELLIPSE_SHARE: f64 = 0.05;
 
 /// Rates of v_x, v_y and omega_z.
+#[inline(always)]
 pub(super) fn velocity_rates<T: Number>(
     car: &CarParams,
     v: &[T; 3],
     u: &[T; NU],
     grip: &[T; 2],
 ) -> [T; 3] {
-    let share = blend_share(car, v[0]);
-    let Some(share) = share else { return tyre_rates(car, v, u, grip) };
-    let rolling = kinematic::velocity_rates(car, v, u);
-    if share.re() == 0.0 {
-        return rolling;
+    let (low, high) = (car.blend_speed_low, car.blend_speed_high);
+    let blends = low != 0.0 || high != 0.0;
+    let (acting, blended) = (v[0].above(low), v[0].below(high));
+    if blends && !v[0].real().any(acting) {
+        return kinematic::velocity_rates(car, v, u);
     }
     let tyres = tyre_rates(car, v, u, grip);
-    std::array::from_fn(|i| rolling[i] + (tyres[i] - rolling[i]) * share)
-}
-
-/// Share of the tyre model at this speed, a smoothstep between the blend speeds; `None` where the
-/// tyre model acts alone.
-fn blend_share<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
-    let (low, high) = (car.blend_speed_low, car.blend_speed_high);
-    if v_x.re() >= high || (low == 0.0 && high == 0.0) {
-        return None;
+    if !blends || !v[0].real().any(blended) {
+        return tyres;
     }
-    if v_x.re() <= low {
-        return Some(T::from(0.0));
+    let rolling = kinematic::velocity_rates(car, v, u);
+    // Share of the tyre model, a smoothstep between the blend speeds.
+    let t = (v[0] - low) * (1.0 / (high - low));
+    let share = t * t * (-(t * 2.0) + 3.0);
+    let mut rates = tyres;
+    for (rate, rolling) in rates.iter_mut().zip(rolling) {
+        let between = rolling + (*rate - rolling) * share;
+        *rate = T::select(blended, T::select(acting, between, rolling), *rate);
     }
-    let t = (v_x - low) / (high - low);
-    Some(t * t * (-(t * 2.0) + 3.0))
+    rates
 }
 
 /// Rates by the tyre forces alone.
+#[inline(always)]
 fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU], grip: &[T; 2]) -> [T; 3] {
     let [v_x, v_y, omega_z] = *v;
     let (sin_delta, cos_delta) = u[1].sin_cos();
@@ -57,25 +58,31 @@ fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU], grip: &[T; 2]
     let [f_xf, f_xr] = forces.long;
 
     // Without the ellipse the axles' accelerations are the commanded ones to the last bit.
-    let [a_xf, a_xr] =
-        if car.combined_slip { [f_xf / car.mass, f_xr / car.mass] } else { along.axle };
+    let [a_xf, a_xr] = if car.combined_slip {
+        [f_xf * (1.0 / car.mass), f_xr * (1.0 / car.mass)]
+    } else {
+        along.axle
+    };
+    let (per_mass, per_inertia) = (1.0 / car.mass, 1.0 / car.inertia_z);
     let mut a_x = a_xr;
-    let mut v_y_dot = (f_yf * cos_delta + f_yr) / car.mass - omega_z * v_x;
-    let mut omega_z_dot = (f_yf * cos_delta * car.l_f - f_yr * car.l_r) / car.inertia_z;
+    let f_yf_across = f_yf * cos_delta;
+    let mut v_y_dot = (f_yf_across + f_yr) * per_mass - omega_z * v_x;
+    let mut omega_z_dot = f_yf_across * (car.l_f * per_inertia) - f_yr * (car.l_r * per_inertia);
     if along.front_acts {
-        a_x += a_xf * cos_delta;
-        v_y_dot += a_xf * sin_delta;
+        a_x = a_x + a_xf * cos_delta;
+        v_y_dot = v_y_dot + a_xf * sin_delta;
         if car.front_force_yaw {
-            omega_z_dot += a_xf * sin_delta * (car.mass * car.l_f / car.inertia_z);
+            omega_z_dot = omega_z_dot + a_xf * sin_delta * (car.mass * car.l_f * per_inertia);
         }
     }
     if let Some(resistance) = along.resistance {
-        a_x -= resistance;
+        a_x = a_x - resistance;
     }
-    [a_x - f_yf * sin_delta / car.mass + omega_z * v_y, v_y_dot, omega_z_dot]
+    [a_x - f_yf * sin_delta * per_mass + omega_z * v_y, v_y_dot, omega_z_dot]
 }
 
 /// Forces of both axles.
+#[inline(always)]
 pub(super) fn forces<T: Number>(
     car: &CarParams,
     v: &[T; 3],
@@ -85,6 +92,7 @@ pub(super) fn forces<T: Number>(
     axle_forces(car, v, u[1], grip, &longitudinal(car, v[0], u[0]))
 }
 
+#[inline(always)]
 fn axle_forces<T: Number>(
     car: &CarParams,
     v: &[T; 3],
@@ -94,15 +102,14 @@ fn axle_forces<T: Number>(
 ) -> AxleForces<T> {
     let slip = tyre::slip_angles(car.l_f, car.l_r, v, delta);
     let vertical = vertical_loads(car, v[0], along);
-    let tyres = [&car.tyre_front, &car.tyre_rear];
-    let axle = |i: usize| {
-        axle_force(car, tyres[i], vertical[i], grip[i], slip[i], along.axle[i] * car.mass)
-    };
-    let (front, rear) = (axle(0), axle(1));
+    let [front, rear] = along.axle;
+    let front = axle_force(car, &car.tyre_front, vertical[0], grip[0], slip[0], front * car.mass);
+    let rear = axle_force(car, &car.tyre_rear, vertical[1], grip[1], slip[1], rear * car.mass);
     AxleForces { long: [front.0, rear.0], lateral: [front.1, rear.1], vertical, slip }
 }
 
 /// Longitudinal and lateral force of one axle.
+#[inline(always)]
 fn axle_force<T: Number>(
     car: &CarParams,
     tyre: &Tyre,
@@ -112,16 +119,18 @@ fn axle_force<T: Number>(
     asked: T,
 ) -> (T, T) {
     let peak = load * tyre.mu * grip;
-    let mut long = asked;
-    let mut lateral = tyre::lateral_force(tyre, peak, slip);
-    if car.combined_slip && asked.re() != 0.0 {
-        if long.re().abs() > peak.re() {
-            long = if long.re() > 0.0 { peak } else { -peak };
-        }
-        let used = long * peak.recip();
-        let left = -(used * used) + 1.0;
-        let least = MIN_ELLIPSE_SHARE * MIN_ELLIPSE_SHARE;
-        lateral *= if left.re() > least { left.sqrt() } else { T::from(MIN_ELLIPSE_SHARE) };
+    let lateral = tyre::lateral_force(tyre, peak, slip);
+    if !car.combined_slip {
+        return (asked, lateral);
     }
-    (long, lateral)
+    let exceeded = peak.real().less(asked.abs().real());
+    let most = T::select(asked.above(0.0), peak, -peak);
+    let long = T::select(exceeded, most, asked);
+    let used = long * peak.recip();
+    let left = -(used * used) + 1.0;
+    let least = left.constant(MIN_ELLIPSE_SHARE);
+    let share = T::select(left.above(MIN_ELLIPSE_SHARE * MIN_ELLIPSE_SHARE), left.sqrt(), least);
+    // A rolling wheel keeps all of its lateral force, whatever its load.
+    let rolling = T::select(asked.abs().above(0.0), lateral * share, lateral);
+    (long, rolling)
 }
