@@ -42,3 +42,4 @@ pub use status::{
     Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, SolveStatus,
     Status,
 };
+pub use tracking::Tracker;

@@ -13,7 +13,7 @@ const BRAKE_SHARE: f64 = 0.8;
 
 /// Tracking law of a car.
 #[derive(Debug, Clone)]
-pub(crate) struct Tracker {
+pub struct Tracker {
     wheelbase: f64,
     /// Lateral acceleration the tyres hold [m/s^2].
     grip: f64,
@@ -22,7 +22,9 @@ pub(crate) struct Tracker {
 }
 
 impl Tracker {
-    pub(crate) fn new(car: &CarParams) -> Self {
+    /// Of this car.
+    #[must_use]
+    pub fn new(car: &CarParams) -> Self {
         let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
         Self {
             wheelbase: car.l_f + car.l_r,
@@ -39,7 +41,8 @@ impl Tracker {
     }
 
     /// Brakes along the centre line, as hard as cornering leaves grip for.
-    pub(crate) fn brake(&self, x: &State, track: &Track) -> Input {
+    #[must_use]
+    pub fn brake(&self, x: &State, track: &Track) -> Input {
         let stopping = (-x.v_x / SPEED_TIME).clamp(self.least.a, 0.0);
         Input { a: stopping.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
     }

@@ -17,6 +17,7 @@ pub mod page;
 pub mod parallel;
 pub mod race;
 pub mod report;
+pub mod safety;
 pub mod settings;
 pub mod study;
 pub mod transport;

@@ -4,6 +4,7 @@ mod export;
 mod fmu;
 mod hil;
 mod network;
+mod operator;
 mod race;
 mod study;
 mod vehicle;
@@ -18,6 +19,7 @@ pub use hil::{DoctorArgs, HilAction, HilArgs, HilRunArgs};
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
+pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
@@ -57,6 +59,10 @@ pub enum Command {
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network
     Vehicle(VehicleArgs),
+    /// Stand between controller and car: nothing unsafe passes
+    Bridge(Box<BridgeArgs>),
+    /// Give an order to bridge and controller
+    Operator(OperatorArgs),
     /// Write everything said on an LCM network to a log
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands

@@ -6,6 +6,7 @@ mod export;
 mod fmu;
 mod hil;
 mod network;
+mod operator;
 mod race;
 mod race_table;
 mod seeds;
@@ -58,6 +59,8 @@ pub fn run(cli: Cli) -> Result<Outcome> {
             Vehicle::Car(args) => network::car(&args, talk),
             Vehicle::Inspect(args) => vehicle::inspect(&args),
         },
+        Command::Bridge(args) => operator::bridge(&args, talk),
+        Command::Operator(args) => operator::operator(&args),
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Export(args) => export::run(&args, talk),

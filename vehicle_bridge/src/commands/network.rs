@@ -232,7 +232,7 @@ fn account(drive: &Drive, talk: Talk) {
 }
 
 /// The network, and what a person should know about it.
-fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
+pub(super) fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
     #[cfg(feature = "liblcm")]
     transport::liblcm::enter_environment(url)?;
     // What it cannot have is reported once, for the loop.
@@ -244,7 +244,7 @@ fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
 }
 
 /// Takes real-time rights for this thread; what is missing, in words.
-fn real_time(wanted: bool) -> Vec<String> {
+pub(super) fn real_time(wanted: bool) -> Vec<String> {
     if !wanted {
         return vec!["without real-time priority (--realtime)".to_owned()];
     }
@@ -255,7 +255,7 @@ fn real_time(wanted: bool) -> Vec<String> {
 }
 
 /// Set by Ctrl-C or a request to end; a second one ends at once.
-fn on_signal() -> Result<Arc<AtomicBool>> {
+pub(super) fn on_signal() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))?;

@@ -114,6 +114,7 @@ impl Drop for Driver {
 struct Outlets {
     commands: Outlet,
     pulse: Outlet,
+    map: Outlet,
 }
 
 impl Outlets {
@@ -122,6 +123,7 @@ impl Outlets {
         Self {
             commands: Outlet::new(network, &identity, channels::COMMAND),
             pulse: Outlet::new(network, &identity, "HB/lmpc"),
+            map: Outlet::new(network, &identity, channels::TRACK),
         }
     }
 }
@@ -228,7 +230,6 @@ impl Source {
             command,
             request_id: self.request,
             arm_token: self.token,
-            deadman: true,
             reason: "bench".to_owned(),
             ..OperatorCommand::default()
         };
@@ -247,6 +248,11 @@ impl Source {
             ..Heartbeat::default()
         };
         let _ = self.out.pulse.send(&message);
+        let map = lcm_types::Track {
+            h: self.out.map.header(),
+            ..crate::network::telemetry::track_message(&self.task.track)
+        };
+        let _ = self.out.map.send_sealed(&map);
     }
 
     fn state(&mut self, state: &VehicleState) {

@@ -142,6 +142,8 @@ pub struct Order<'a> {
     pub period: f64,
     /// How long the command may be used. \[us\]
     pub valid_for_us: i32,
+    /// The bridge's grant, 0 where none is heard. \[-\]
+    pub arm_token: i64,
 }
 
 impl Order<'_> {
@@ -159,6 +161,7 @@ impl Order<'_> {
             state_seq: self.answered.seq,
             state_mono_ns: self.answered.mono_ns,
             valid_for_us: self.valid_for_us,
+            arm_token: self.arm_token,
             enable: self.mode == ActuationCommand::MODE_DRIVE,
             mode: self.mode,
             accel: self.input.a,
@@ -238,6 +241,7 @@ mod tests {
             plan: Some(&plan),
             period: 0.1,
             valid_for_us: 250_000,
+            arm_token: 0,
         };
         let mut command = order.message(Header::default());
         assert_eq!(command.n_plan, 3);

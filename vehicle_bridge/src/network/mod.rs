@@ -1,15 +1,19 @@
 //! The controller and the simulated car as programs on an LCM network.
 //!
 //! [`service`] answers each `CAR/STATE` with one `LMPC/CMD`; [`car`] is a simulated car that
-//! publishes the one and obeys the other. Checks of what comes in are in [`guard`].
+//! publishes the one and obeys the other; [`bridge`] puts the safety core between the two.
+//! Checks of what comes in are in [`guard`].
 //! [`convert`] and [`telemetry`] alone know how messages and the controller's types correspond.
 
+pub mod bridge;
 pub mod car;
 pub mod convert;
+pub mod grant;
 pub mod guard;
 pub mod map_file;
 pub mod mapped_car;
 pub mod operator;
+pub mod operator_client;
 pub mod outlet;
 pub mod pulse;
 pub mod realtime;

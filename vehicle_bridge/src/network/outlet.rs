@@ -28,7 +28,7 @@ impl Identity {
 }
 
 /// A random positive number; without the system's source, one that two starts hardly share.
-fn random() -> i64 {
+pub(super) fn random() -> i64 {
     let mut bytes = [0; 8];
     let read = File::open("/dev/urandom").and_then(|mut source| source.read_exact(&mut bytes));
     let number = match read {

@@ -24,6 +24,8 @@ pub struct Health {
     pub state: i8,
     /// Messages received and refused.
     pub counts: Counts,
+    /// The grant in force, 0 for none. \[-\]
+    pub arm_token: i64,
     /// What a person should know.
     pub detail: String,
 }
@@ -85,11 +87,12 @@ fn beat(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let Health { state, counts, detail } =
+        let Health { state, counts, arm_token, detail } =
             health.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let message = Heartbeat {
             h: outlet.header(),
             state,
+            arm_token,
             uptime_s: begun.elapsed().as_secs_f64(),
             rss_mb: resident_mb(),
             rx_ok: counts.ok,

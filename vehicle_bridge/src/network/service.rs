@@ -12,6 +12,7 @@ use lcm_types::{
 use vehicle_model::Input;
 
 use super::convert::{self, Answered, Order};
+use super::grant::Grant;
 use super::guard::{Accepted, Guard};
 use super::operator::{self, Authority};
 use super::outlet::{Identity, Outlet};
@@ -55,6 +56,7 @@ pub struct Service {
     guard: Guard,
     order_guard: Guard,
     authority: Authority,
+    grant: Grant,
     commands: Outlet,
     telemetry: Outlet,
     laps: Outlet,
@@ -108,6 +110,7 @@ impl Service {
         let (states, orders) = (Inbox::queue(WAITING), Inbox::queue(64));
         network.subscribe(Filter::channel(channels::STATE), states.sink())?;
         network.subscribe(Filter::channel(channels::OPERATOR), orders.sink())?;
+        let grant = Grant::listen(network)?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
         let (age, silence) =
             (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
@@ -122,6 +125,7 @@ impl Service {
             telemetry: outlet(channels::TELEMETRY),
             laps: outlet(channels::LAP),
             acks: outlet(channels::OPERATOR_ACK),
+            grant,
             pulse: Pulse::start(network, &identity, "lmpc", Some(track))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
@@ -144,6 +148,7 @@ impl Service {
         let period = Duration::from_secs_f64(self.controller.config().horizon.period);
         let mut deadline = Instant::now() + period;
         while !stop.load(Ordering::Relaxed) {
+            self.grant.update();
             while let Some(order) = self.orders.take() {
                 self.obey(&order);
             }
@@ -171,7 +176,7 @@ impl Service {
             next = self.states.take();
         }
         let Some((state, arrival_ns)) = newest else { return false };
-        match self.authority.mode() {
+        match self.mode() {
             ActuationCommand::MODE_DRIVE => self.drive(&state, arrival_ns, on_lap),
             mode => {
                 self.remember(&state, arrival_ns);
@@ -179,6 +184,14 @@ impl Service {
             }
         }
         true
+    }
+
+    /// What the operator wants, as far as a bridge that is heard lets the car drive.
+    fn mode(&self) -> i8 {
+        match self.authority.mode() {
+            ActuationCommand::MODE_DRIVE if !self.grant.lets_drive() => ActuationCommand::MODE_OFF,
+            mode => mode,
+        }
     }
 
     /// A state, if it is believed.
@@ -250,6 +263,7 @@ impl Service {
             plan: (drives && !cut).then(|| self.controller.plan()),
             period: self.controller.config().horizon.period,
             valid_for_us,
+            arm_token: self.grant.token(),
         };
         let message = order.message(self.commands.header());
         let sent = self.commands.send_sealed(&message);
@@ -292,7 +306,7 @@ impl Service {
         let Some(last) = self.last else { return };
         let silent_ns = transport::now().mono_ns - last.arrival_ns;
         if silent_ns > convert::nanoseconds(self.options.valid_for) {
-            self.say_stop(match self.authority.mode() {
+            self.say_stop(match self.mode() {
                 ActuationCommand::MODE_DRIVE => ActuationCommand::MODE_SAFE_STOP,
                 mode => mode,
             });
@@ -311,6 +325,9 @@ impl Service {
                 _ => return,
             },
         };
+        if matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM) {
+            return; // for the bridge alone
+        }
         let answer = self.authority.obey(&order, self.last.map(|last| last.speed));
         let cap = operator::plan_cap(self.authority.speed_cap, &self.controller);
         // Both ends have the same range: what the authority took, the controller takes.

@@ -1,0 +1,89 @@
+//! Options of `lmpc bridge` and `lmpc operator`.
+
+use clap::{Args, Subcommand};
+
+use super::{ControllerArgs, NetworkArgs};
+
+const BRIDGE_EXAMPLES: &str = "\
+Examples:
+  lmpc bridge                                simulated small car on the L track
+  lmpc bridge --timeout-ms 60 --realtime
+  lmpc operator arm && lmpc operator start   in another terminal, with `lmpc serve`
+
+Stands between controller and car, at 100 Hz: publishes CAR/STATE, CAR/ACT and HB/bridge, obeys
+LMPC/CMD of the controller that was armed, and OP/CMD. docs/safety.md has states and checks.";
+
+/// Options of `lmpc bridge`.
+#[derive(Debug, Args)]
+#[command(after_help = BRIDGE_EXAMPLES)]
+pub struct BridgeArgs {
+    /// The car, the track, and the configuration whose period commands keep.
+    #[command(flatten)]
+    pub controller: ControllerArgs,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+    /// Seed of the car's noise
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+    /// How much later than due a command or state may come
+    #[arg(long, default_value_t = 100, value_name = "MS",
+          value_parser = clap::value_parser!(u32).range(20..=1000))]
+    pub timeout_ms: u32,
+    /// FIFO priority and locked memory, where the system grants them
+    #[arg(long)]
+    pub realtime: bool,
+}
+
+const OPERATOR_EXAMPLES: &str = "\
+Examples:
+  lmpc operator arm
+  lmpc operator start
+  lmpc operator speed-cap 2.5
+  lmpc operator estop
+
+Each order is said every 10 ms, an emergency stop three times, until it is answered. Exit code 1
+if it is refused, with the reason, or if nobody answers within 3 s.";
+
+/// Options of `lmpc operator`.
+#[derive(Debug, Args)]
+#[command(after_help = OPERATOR_EXAMPLES)]
+pub struct OperatorArgs {
+    /// The order.
+    #[command(subcommand)]
+    pub order: OperatorOrder,
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+}
+
+/// Orders.
+#[derive(Debug, Subcommand)]
+pub enum OperatorOrder {
+    /// Grant the controller a token; the car must stand
+    Arm {
+        /// Though the car moves
+        #[arg(long)]
+        moving: bool,
+    },
+    /// Take the grant away; a driving car stops safely
+    Disarm,
+    /// Let the armed controller drive
+    Start {
+        /// The grant; by default the one the bridge says
+        #[arg(long, value_name = "TOKEN")]
+        token: Option<i64>,
+    },
+    /// Stop safely; driving again needs a new `arm`
+    Stop,
+    /// Emergency stop; only `reset` at standstill ends it
+    Estop,
+    /// End an emergency stop or a fault at standstill
+    Reset,
+    /// Speed not to be passed
+    SpeedCap {
+        /// 0 takes it away, at most 1000
+        #[arg(value_name = "MPS")]
+        value: f64,
+    },
+}

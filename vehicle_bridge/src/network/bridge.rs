@@ -1,0 +1,310 @@
+//! The process between controller and car: the safety core with a clock and a network.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use lcm_types::{
+    ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
+    Track as TrackMessage, channels,
+};
+use vehicle_model::Input;
+
+use super::convert;
+use super::guard::Counts;
+use super::outlet::{Identity, Outlet, random};
+use super::pulse::Pulse;
+use crate::safety::{
+    self, Answer, Event, Lapse, Order, OrderKind, Output, Phase, Rules, Safety, Source, decode,
+};
+use crate::transport::{self, Filter, Inbox, Received, Transport};
+use crate::vehicle::Vehicle;
+
+/// Messages of each kind that may wait. \[-\]
+const WAITING: usize = 1024;
+/// An order that waited longer is not obeyed, but for an emergency stop. \[ns\]
+const ORDER_AGE_NS: i64 = 1_000_000_000;
+
+/// How the bridge ran.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bridged {
+    /// Ticks. \[-\]
+    pub ticks: u64,
+    /// Ticks that never came, because the bridge was late. \[-\]
+    pub missed: u64,
+    /// Latest begin of a tick. \[s\]
+    pub latest: f64,
+    /// Commands.
+    pub commands: safety::Counts,
+}
+
+/// The bridge.
+pub struct Bridge {
+    rules: Rules,
+    safety: Safety,
+    vehicle: Box<dyn Vehicle>,
+    host: String,
+    commands: Inbox,
+    others: Inbox,
+    states: Outlet,
+    reports: Outlet,
+    acks: Outlet,
+    pulse: Pulse,
+    notes: Vec<String>,
+    /// Sender's start and number of the last order, and its answer: said again, it is not obeyed
+    /// twice.
+    answered: Option<(i64, OperatorAck)>,
+    refused: Option<String>,
+    /// What the car was told at the last tick.
+    held: Input,
+    bridged: Bridged,
+}
+
+impl Bridge {
+    /// Between a network and a simulated car.
+    ///
+    /// # Errors
+    /// If the network refuses the subscriptions, or a thread cannot be started.
+    pub fn new(
+        mut rules: Rules,
+        vehicle: Box<dyn Vehicle>,
+        notes: Vec<String>,
+        network: &Arc<dyn Transport>,
+    ) -> Result<Self> {
+        let identity = Identity::new("bridge");
+        rules.boot_id = identity.boot_id;
+        let (commands, others) = (Inbox::queue(WAITING), Inbox::queue(WAITING));
+        network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
+        let life = format!("{}lmpc", channels::HEARTBEAT);
+        let names = vec![channels::OPERATOR.to_owned(), channels::TRACK.to_owned(), life];
+        network.subscribe(Filter::Only(names), others.sink())?;
+        let host = identity.sender.rsplit('@').next().unwrap_or_default().to_owned();
+        Ok(Self {
+            states: Outlet::new(network, &identity, channels::STATE),
+            reports: Outlet::new(network, &identity, channels::ACTUATION),
+            acks: Outlet::new(network, &identity, channels::OPERATOR_ACK),
+            pulse: Pulse::start(network, &identity, "bridge", None)?,
+            safety: Safety::default(),
+            answered: None,
+            refused: None,
+            held: Input::default(),
+            bridged: Bridged::default(),
+            rules,
+            vehicle,
+            host,
+            commands,
+            others,
+            notes,
+        })
+    }
+
+    /// Runs until `stop` is set; `on_change` hears of every change of state.
+    ///
+    /// # Errors
+    /// If the network refuses a message.
+    pub fn run(
+        &mut self,
+        stop: &AtomicBool,
+        on_change: &mut dyn FnMut(Phase, Lapse),
+    ) -> Result<Bridged> {
+        let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
+        let mut due = Instant::now();
+        let mut last = self.safety.phase();
+        while !stop.load(Ordering::Relaxed) {
+            // From the last deadline, not from now: the beat does not drift.
+            due += tick;
+            let late = self.listen(due);
+            let ticks =
+                1 + u32::try_from(late.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX - 1);
+            due += tick * (ticks - 1);
+            self.bridged.ticks += 1;
+            self.bridged.missed += u64::from(ticks - 1);
+            self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
+            self.act(f64::from(ticks) * tick.as_secs_f64())?;
+            let phase = self.safety.phase();
+            if phase != last {
+                on_change(phase, self.safety.lapse());
+                last = phase;
+            }
+        }
+        self.bridged.commands = self.safety.counts();
+        Ok(self.bridged)
+    }
+
+    /// Takes in what comes until `due`; how late it then is.
+    fn listen(&mut self, due: Instant) -> Duration {
+        for _ in 0..WAITING {
+            let Some(received) = self.commands.wait_until(due) else { break };
+            self.command(&received);
+            self.commands.recycle(received);
+        }
+        for _ in 0..WAITING {
+            let Some(received) = self.others.take() else { break };
+            self.hear(&received);
+            self.others.recycle(received);
+        }
+        // A storm does not bring the tick forward.
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        Instant::now().saturating_duration_since(due)
+    }
+
+    /// The car moves on by `dt` \[s\], is measured, and gets its next input.
+    fn act(&mut self, dt: f64) -> Result<()> {
+        let held = self.held;
+        if self.safety.phase() != Phase::Fault
+            && let Err(error) = self.vehicle.apply(held, dt)
+        {
+            self.refused = Some(error.to_string());
+            self.step(&Event::CarFailed);
+        }
+        let x = self.vehicle.measure();
+        let meas_ns = transport::now().mono_ns;
+        self.step(&Event::State(x, 2));
+        let output = self.step(&Event::Tick);
+        self.held = output.applied.sent;
+        let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
+        let track = Arc::clone(self.vehicle.track());
+        let h = self.states.header();
+        let state = convert::state_message(h, meas_ns, &x, output.applied.sent, &track, lap);
+        self.states.send_sealed(&state)?;
+        self.report(&output)
+    }
+
+    fn step(&mut self, event: &Event<'_>) -> Output {
+        let now_ns = transport::now().mono_ns;
+        let (next, output) = safety::step(&self.rules, &self.safety, event, now_ns);
+        self.safety = next;
+        output
+    }
+
+    fn command(&mut self, received: &Received) {
+        let arrival_ns = received.arrival.mono_ns;
+        let reject = match decode(&received.payload, arrival_ns, &self.rules, &self.host) {
+            Ok(offer) => match self.step(&Event::Command(&offer)).answer {
+                Answer::Rejected(reject) => reject,
+                _ => return,
+            },
+            Err(reject) => {
+                self.safety.count(reject);
+                reject
+            }
+        };
+        self.refused = Some(format!("a command was refused: {reject}"));
+    }
+
+    fn hear(&mut self, received: &Received) {
+        match received.channel.as_str() {
+            channels::OPERATOR => self.order(received),
+            channels::TRACK => {
+                if let Ok(track) = TrackMessage::open(&received.payload) {
+                    self.step(&Event::Track(track.h.boot_id, track.track_id));
+                }
+            }
+            _ => {
+                if let Ok(beat) = Heartbeat::decode(&received.payload) {
+                    self.step(&Event::Pulse(beat.h.boot_id));
+                }
+            }
+        }
+    }
+
+    fn order(&mut self, received: &Received) {
+        let Ok(order) = OperatorCommand::open(&received.payload) else { return };
+        let estop = order.command == OperatorCommand::ESTOP;
+        let age_ns = transport::now().mono_ns.saturating_sub(received.arrival.mono_ns);
+        if age_ns > ORDER_AGE_NS && !estop {
+            return;
+        }
+        let again = self.answered.as_ref().filter(|(boot_id, ack)| {
+            (*boot_id, ack.request_id) == (order.h.boot_id, order.request_id)
+        });
+        let held = order.deadman && order.command == OperatorCommand::START;
+        let ack = match again {
+            Some((_, ack)) if !(estop || held && ack.accepted) => {
+                OperatorAck { h: self.acks.header(), ..ack.clone() }
+            }
+            _ => self.obey(&order),
+        };
+        // What the network refuses is asked again.
+        let _ = self.acks.send(&ack);
+        self.answered = Some((order.h.boot_id, ack));
+    }
+
+    fn obey(&mut self, order: &OperatorCommand) -> OperatorAck {
+        let kind = match order.command {
+            OperatorCommand::ARM => OrderKind::Arm { moving: order.value == 1.0 },
+            OperatorCommand::DISARM => OrderKind::Disarm,
+            OperatorCommand::START => OrderKind::Start,
+            OperatorCommand::STOP => OrderKind::Stop,
+            OperatorCommand::ESTOP => OrderKind::Estop,
+            OperatorCommand::ESTOP_RESET => OrderKind::Reset,
+            OperatorCommand::SET_SPEED_CAP => OrderKind::SpeedCap(order.value),
+            other => OrderKind::Unknown(other),
+        };
+        let (token, deadman) = (order.arm_token, order.deadman);
+        let answer =
+            self.step(&Event::Order(Order { kind, token, deadman, fresh: random() })).answer;
+        let detail = match answer {
+            Answer::Denied(denied) => denied.to_string(),
+            _ => String::new(),
+        };
+        OperatorAck {
+            h: self.acks.header(),
+            request_id: order.request_id,
+            accepted: detail.is_empty(),
+            state: self.safety.phase() as i8,
+            arm_token: self.safety.token(),
+            detail,
+        }
+    }
+
+    fn report(&mut self, output: &Output) -> Result<()> {
+        let (cmd_boot_id, cmd_seq) = self.safety.command().unwrap_or_default();
+        let report = ActuationReport {
+            h: self.reports.header(),
+            cmd_boot_id,
+            cmd_seq,
+            enabled: matches!(output.source, Source::Command | Source::Plan),
+            source: output.source as i8,
+            limited: output.applied.bits,
+            accel: output.applied.sent.a,
+            steer: output.applied.sent.delta,
+            crc: 0,
+        };
+        self.reports.send_sealed(&report)?;
+        let c = self.safety.counts();
+        let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
+        let mut detail = self.notes.clone();
+        let (lapse, missed) = (self.safety.lapse(), self.bridged.missed);
+        if lapse != Lapse::None {
+            detail.push(format!("last stop: {lapse}"));
+        }
+        if c.limited > 0 {
+            let asked = output.applied.asked;
+            let sent = output.applied.sent;
+            detail.push(format!(
+                "{} inputs limited; now asked {:.2} m/s^2, {:.3} rad, sent {:.2}, {:.3}, limits {:#x}",
+                c.limited, asked.a, asked.delta, sent.a, sent.delta, output.applied.bits
+            ));
+        }
+        if missed > 0 {
+            detail.push(format!("{missed} ticks missed"));
+        }
+        detail.extend(self.refused.clone());
+        let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
+        self.pulse.update(|health| {
+            health.state = state;
+            health.counts = counts;
+            health.arm_token = arm_token;
+            health.detail = detail.join("; ");
+        });
+        Ok(())
+    }
+
+    /// The car.
+    #[must_use]
+    pub fn vehicle(&self) -> &dyn Vehicle {
+        self.vehicle.as_ref()
+    }
+}

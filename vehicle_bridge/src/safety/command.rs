@@ -1,0 +1,127 @@
+//! A command as the core sees it, and what it must be to be believed.
+
+use vehicle_model::{Input, Limiter};
+
+/// Steps of a fallback plan that are kept; more are cut off. \[-\]
+pub const PLAN: usize = 32;
+/// Solvers keep bounds to their tolerance, plans are in single precision. \[m/s^2, rad\]
+const TOLERANCE: f64 = 1e-4;
+/// Numbers this far ahead of the last are believed. \[-\]
+const WINDOW: i64 = 100;
+
+/// Why a command is refused, in the order of the checks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Reject {
+    /// Longer than any command, or too short for one.
+    #[error("wrong size")]
+    Size,
+    /// Another type, or another version of it.
+    #[error("wrong fingerprint")]
+    Fingerprint,
+    /// Checksum, or contents that do not decode.
+    #[error("checksum or contents damaged")]
+    Crc,
+    /// A sender that says too much.
+    #[error("more than a sender may say")]
+    Rate,
+    /// Not a number, or infinite.
+    #[error("not finite")]
+    NotFinite,
+    /// Outside the car's box, or a time that cannot be.
+    #[error("out of range")]
+    Range,
+    /// Too old on arrival.
+    #[error("too old")]
+    Stale,
+    /// Not the controller that was armed.
+    #[error("not from the controller that was armed")]
+    Boot,
+    /// Repeated, out of order, or far ahead.
+    #[error("number out of sequence")]
+    Sequence,
+    /// Not the grant in force.
+    #[error("wrong arm token")]
+    Token,
+}
+
+/// A decoded command: fixed size, nothing checked yet but its form.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Offer {
+    /// Start of its sender. \[-\]
+    pub boot_id: i64,
+    /// Its number. \[-\]
+    pub seq: i64,
+    /// When it was received, this host's clock. \[ns\]
+    pub arrival_ns: i64,
+    /// Oldest time on this host's clock that it is known to stem from: its own stamp if its sender
+    /// is on this host, the state it answers if that was ours. \[ns\]
+    pub since_ns: i64,
+    /// Echo of the grant. \[-\]
+    pub token: i64,
+    /// Whether it asks for driving.
+    pub drives: bool,
+    /// Whether it asks for an emergency stop.
+    pub estop: bool,
+    /// What to apply.
+    pub input: Input,
+    /// Dead after this. \[ns\]
+    pub valid_for_ns: i64,
+    /// Fallback plan.
+    pub plan: [Input; PLAN],
+    /// Steps of the plan. \[-\]
+    pub n_plan: usize,
+    /// Length of one step. \[s\]
+    pub plan_dt: f64,
+}
+
+impl Offer {
+    /// Whether every number is one.
+    pub(super) fn is_finite(&self) -> bool {
+        self.input.is_finite()
+            && self.plan_dt.is_finite()
+            && self.plan().iter().all(Input::is_finite)
+    }
+
+    /// Whether everything asked is in the car's box.
+    pub(super) fn in_range(&self, limiter: &Limiter) -> bool {
+        let box_of = |u: &Input| {
+            (limiter.a_min - TOLERANCE..=limiter.a_max + TOLERANCE).contains(&u.a)
+                && u.delta.abs() <= limiter.delta_max + TOLERANCE
+        };
+        box_of(&self.input)
+            && self.plan().iter().all(box_of)
+            && self.plan_dt >= 0.0
+            && self.valid_for_ns > 0
+    }
+
+    /// Whether its number may follow the last one believed.
+    pub(super) fn follows(&self, last: Option<i64>) -> bool {
+        last.is_none_or(|last| self.seq > last && self.seq.saturating_sub(last) <= WINDOW)
+    }
+
+    /// The fallback plan.
+    #[must_use]
+    pub fn plan(&self) -> &[Input] {
+        self.plan.get(..self.n_plan).unwrap_or(&self.plan)
+    }
+
+    /// What it asks for at `now_ns`, and whether that is the fallback plan: its input until the
+    /// next command is due, then its plan. `None` when it is dead.
+    pub(super) fn input_at(&self, now_ns: i64, period_ns: i64) -> Option<(Input, bool)> {
+        let age_ns = now_ns.saturating_sub(self.arrival_ns);
+        if !self.drives || age_ns > self.valid_for_ns {
+            return None;
+        }
+        if age_ns <= period_ns {
+            return Some((self.input, false));
+        }
+        let steps = if self.plan_dt > 0.0 { age_ns as f64 * 1e-9 / self.plan_dt } else { 0.0 };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "age is positive"
+        )]
+        let step = (steps as usize).min(self.plan().len().saturating_sub(1));
+        Some((self.plan().get(step).copied().unwrap_or(self.input), true))
+    }
+}

@@ -1,0 +1,40 @@
+//! Why the car is being stopped.
+
+/// What made the core leave RUNNING or ARMED.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
+pub enum Lapse {
+    /// Nothing.
+    #[default]
+    #[error("")]
+    None,
+    /// No valid command in time.
+    #[error("no valid command in time")]
+    Commands,
+    /// The last command's validity ended.
+    #[error("the last command's validity ended")]
+    Validity,
+    /// No valid state in time.
+    #[error("no valid state in time")]
+    States,
+    /// The bridge itself did not run.
+    #[error("the bridge itself stood still")]
+    Gap,
+    /// The dead man's switch was released, or its holder fell silent.
+    #[error("dead man's switch released")]
+    Deadman,
+    /// The controller asked to stop.
+    #[error("the controller asked to stop")]
+    Controller,
+    /// The controller sent more than a sender may.
+    #[error("the controller sends too much")]
+    Flood,
+    /// The controller's life signs ended.
+    #[error("no life sign of the controller")]
+    Pulse,
+    /// The operator.
+    #[error("the operator's order")]
+    Operator,
+    /// The car failed.
+    #[error("the car failed")]
+    Car,
+}

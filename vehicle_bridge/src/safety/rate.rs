@@ -1,0 +1,55 @@
+//! How much a sender may say.
+
+/// Senders told apart; the one silent longest makes room. \[-\]
+const SENDERS: usize = 8;
+/// Length of a window. \[ns\]
+const WINDOW_NS: i64 = 100_000_000;
+/// Messages a sender may send in a window: ten times 100 Hz. \[-\]
+const MOST: u32 = 100;
+
+/// One sender's window.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Window {
+    boot_id: i64,
+    begun_ns: i64,
+    count: u32,
+}
+
+/// Messages of each sender in its current window.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Rate([Window; SENDERS]);
+
+impl Rate {
+    /// Counts a message; false if it is one too many.
+    pub(super) fn admit(&mut self, boot_id: i64, now_ns: i64) -> bool {
+        let known = self.0.iter().position(|w| w.boot_id == boot_id && w.count > 0);
+        let oldest = || {
+            let windows = self.0.iter().enumerate();
+            windows.min_by_key(|(_, w)| (w.count > 0, w.begun_ns)).map_or(0, |(i, _)| i)
+        };
+        let index = known.unwrap_or_else(oldest);
+        let Some(window) = self.0.get_mut(index) else { return false };
+        if known.is_none() || now_ns.saturating_sub(window.begun_ns) >= WINDOW_NS {
+            *window = Window { boot_id, begun_ns: now_ns, count: 0 };
+        }
+        window.count = window.count.saturating_add(1);
+        window.count <= MOST
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sender_in_a_storm_is_cut_off_and_no_other() {
+        let mut rate = Rate::default();
+        let admitted = |rate: &mut Rate, id, n: i64, from: i64| {
+            (0..n).filter(|i| rate.admit(id, from + i * 1000)).count()
+        };
+        assert_eq!(admitted(&mut rate, 1, 1000, 0), 100);
+        assert_eq!(admitted(&mut rate, 2, 30, 0), 30);
+        assert_eq!(admitted(&mut rate, 1, 1, 50_000_000), 0);
+        assert_eq!(admitted(&mut rate, 1, 10, WINDOW_NS), 10);
+    }
+}

@@ -1,0 +1,63 @@
+//! What a bridge is set up with; does not change while it runs.
+
+use std::sync::Arc;
+
+use controller::Tracker;
+use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
+
+/// Limits and times of a bridge.
+#[derive(Debug, Clone)]
+pub struct Rules {
+    /// The controller's period: the next command is due this long after the last. \[ns\]
+    pub period_ns: i64,
+    /// Time between two ticks, and between two states. \[ns\]
+    pub tick_ns: i64,
+    /// How much later than due a command or a state may come. \[ns\]
+    pub timeout_ns: i64,
+    /// Oldest command believed on arrival. \[ns\]
+    pub max_age_ns: i64,
+    /// How long states must have been good before arming. \[ns\]
+    pub ready_ns: i64,
+    /// Oldest life sign of the controller that counts for arming. \[ns\]
+    pub pulse_ns: i64,
+    /// After START the car stands this long at most without a first command. \[ns\]
+    pub start_ns: i64,
+    /// Below this speed the car stands. \[m/s\]
+    pub still: f64,
+    /// This start of the bridge, as in its states' headers. \[-\]
+    pub boot_id: i64,
+    /// What both ends call the track. \[-\]
+    pub track_id: i64,
+    /// Box, rates and speed cap of what is sent.
+    pub limiter: Limiter,
+    pub(super) track: Arc<Track>,
+    pub(super) tracker: Tracker,
+    pub(super) model: Model,
+}
+
+impl Rules {
+    /// Shortest timeout that one late tick does not trip. \[ms\]
+    pub const LEAST_TIMEOUT_MS: u32 = 20;
+
+    /// For a car on a track, with the usual times: 100 Hz, 100 ms timeout.
+    #[must_use]
+    pub fn new(car: &CarParams, track: &Arc<Track>, period_ns: i64) -> Self {
+        const MS: i64 = 1_000_000;
+        Self {
+            period_ns,
+            tick_ns: 10 * MS,
+            timeout_ns: 100 * MS,
+            max_age_ns: 100 * MS,
+            ready_ns: 1000 * MS,
+            pulse_ns: 500 * MS,
+            start_ns: 1000 * MS,
+            still: 0.1,
+            boot_id: 0,
+            track_id: crate::network::convert::track_id(track),
+            limiter: Limiter::new(car),
+            track: Arc::clone(track),
+            tracker: Tracker::new(car),
+            model: Model::new(ModelKind::Kinematic, car.clone()),
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! The state machine.
+
+use vehicle_model::{Input, Limited, State};
+
+use super::command::{Offer, Reject};
+use super::lapse::Lapse;
+use super::order::{Denied, MAX_CAP, Order, OrderKind};
+use super::rate::Rate;
+use super::rules::Rules;
+use super::stop;
+use super::types::{Answer, Counts, Event, Output, Phase, Source};
+
+/// The car's state as last heard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Seen {
+    at_ns: i64,
+    good_since_ns: Option<i64>,
+}
+
+/// Everything the core remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Safety {
+    phase: Phase,
+    token: i64,
+    armed: Option<i64>,
+    seq: Option<i64>,
+    command: Option<Offer>,
+    started_ns: i64,
+    deadman_ns: Option<i64>,
+    seen: Option<Seen>,
+    estimate: State,
+    estimate_ns: i64,
+    pulse: Option<(i64, i64)>,
+    track: Option<(i64, i64)>,
+    speed_cap: Option<f64>,
+    applied: Option<Limited>,
+    source: Source,
+    tick_ns: Option<i64>,
+    rate: Rate,
+    lapse: Lapse,
+    counts: Counts,
+}
+
+/// One event at `now_ns`.
+#[must_use]
+pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (Safety, Output) {
+    let mut next = *safety;
+    next.expire(rules, event, now_ns);
+    let answer = match event {
+        Event::State(x, quality) => next.see(x, *quality, now_ns),
+        Event::Command(offer) => match next.weigh(rules, offer, now_ns) {
+            Ok(()) => Answer::Accepted,
+            Err(reject) => Answer::Rejected(reject),
+        },
+        Event::Pulse(boot_id) => {
+            next.pulse = Some((*boot_id, now_ns));
+            Answer::None
+        }
+        Event::Track(boot_id, id) => {
+            next.track = Some((*boot_id, *id));
+            Answer::None
+        }
+        Event::Order(order) => match next.obey(rules, order, now_ns) {
+            Ok(()) => Answer::Accepted,
+            Err(denied) => Answer::Denied(denied),
+        },
+        Event::CarFailed => {
+            next.leave(
+                if next.phase == Phase::Estop { Phase::Estop } else { Phase::Fault },
+                Lapse::Car,
+            );
+            Answer::None
+        }
+        Event::Tick => {
+            next.tick(rules, now_ns);
+            Answer::None
+        }
+    };
+    if let Answer::Rejected(reject) = answer {
+        next.count(reject);
+    }
+    let held = Limited { asked: Input::default(), sent: Input::default(), bits: 0 };
+    let applied = next.applied.unwrap_or(held);
+    let source = next.source;
+    (next, Output { applied, source, answer })
+}
+
+impl Safety {
+    /// State of the machine.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The grant in force, 0 for none. \[-\]
+    #[must_use]
+    pub fn token(&self) -> i64 {
+        self.token
+    }
+
+    /// Counts so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Why the grant ended last.
+    #[must_use]
+    pub fn lapse(&self) -> Lapse {
+        self.lapse
+    }
+
+    /// The command in force: start and number of its sender.
+    #[must_use]
+    pub fn command(&self) -> Option<(i64, i64)> {
+        self.command.map(|command| (command.boot_id, command.seq))
+    }
+
+    /// Counts a refusal; the host calls it for what never became an event.
+    pub fn count(&mut self, reject: Reject) {
+        match reject {
+            Reject::Boot | Reject::Sequence | Reject::Token => self.counts.old += 1,
+            Reject::Stale => self.counts.stale += 1,
+            _ => self.counts.bad += 1,
+        }
+    }
+
+    /// Ends the grant.
+    fn leave(&mut self, to: Phase, why: Lapse) {
+        self.counts.stops += i64::from(self.phase == Phase::Running);
+        self.phase = to;
+        self.lapse = why;
+        (self.token, self.armed, self.seq, self.deadman_ns) = (0, None, None, None);
+        self.command = None;
+    }
+
+    fn is_fresh(&self, rules: &Rules, now_ns: i64) -> bool {
+        let patience = rules.tick_ns + rules.timeout_ns;
+        self.seen.is_some_and(|seen| now_ns.saturating_sub(seen.at_ns) <= patience)
+    }
+
+    /// What time alone ends, before anything else is looked at.
+    fn expire(&mut self, rules: &Rules, event: &Event<'_>, now_ns: i64) {
+        if !matches!(self.phase, Phase::Armed | Phase::Running) {
+            return;
+        }
+        let since = |then: i64| now_ns.saturating_sub(then);
+        let gap = self.tick_ns.is_some_and(|then| since(then) > rules.tick_ns + rules.timeout_ns);
+        let why = if gap {
+            Lapse::Gap
+        } else if !self.is_fresh(rules, now_ns) && !matches!(event, Event::State(..)) {
+            Lapse::States
+        } else if self.phase == Phase::Armed {
+            let heard = self.pulse.filter(|(boot_id, _)| Some(*boot_id) == self.armed);
+            let silent = heard.is_none_or(|(_, then)| since(then) > rules.pulse_ns);
+            if silent { Lapse::Pulse } else { Lapse::None }
+        } else if self.deadman_ns.is_some_and(|then| since(then) > rules.timeout_ns) {
+            Lapse::Deadman
+        } else {
+            match self.command {
+                None if since(self.started_ns) > rules.start_ns => Lapse::Commands,
+                None => Lapse::None,
+                Some(c) if since(c.arrival_ns) > rules.period_ns + rules.timeout_ns => {
+                    Lapse::Commands
+                }
+                Some(c) if since(c.arrival_ns) > c.valid_for_ns => Lapse::Validity,
+                Some(_) => Lapse::None,
+            }
+        };
+        if why != Lapse::None {
+            let to = if self.phase == Phase::Armed { Phase::Idle } else { Phase::SafeStop };
+            self.leave(to, why);
+        }
+    }
+
+    fn see(&mut self, x: &State, quality: i8, now_ns: i64) -> Answer {
+        if quality < 1 || !x.is_finite() {
+            return Answer::Rejected(Reject::NotFinite);
+        }
+        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
+        let good_since_ns = (quality >= 2).then_some(since);
+        self.seen = Some(Seen { at_ns: now_ns, good_since_ns });
+        (self.estimate, self.estimate_ns) = (*x, now_ns);
+        if self.phase == Phase::Boot {
+            self.phase = Phase::Idle;
+        }
+        Answer::Accepted
+    }
+
+    /// A command's checks after its form, in order.
+    fn weigh(&mut self, rules: &Rules, offer: &Offer, now_ns: i64) -> Result<(), Reject> {
+        let ours = self.armed == Some(offer.boot_id);
+        if !self.rate.admit(offer.boot_id, now_ns) {
+            if ours && self.phase == Phase::Running {
+                self.leave(Phase::SafeStop, Lapse::Flood);
+            }
+            return Err(Reject::Rate);
+        }
+        if !offer.is_finite() {
+            return Err(Reject::NotFinite);
+        }
+        if !offer.in_range(&rules.limiter) {
+            return Err(Reject::Range);
+        }
+        let oldest = offer.since_ns.min(offer.arrival_ns);
+        if now_ns.saturating_sub(oldest) > rules.max_age_ns.min(offer.valid_for_ns) {
+            return Err(Reject::Stale);
+        }
+        if !ours {
+            return Err(Reject::Boot);
+        }
+        if !offer.follows(self.seq) {
+            return Err(Reject::Sequence);
+        }
+        if offer.token != self.token || self.token == 0 {
+            return Err(Reject::Token);
+        }
+        if let Some(last) = self.seq {
+            self.counts.lost += offer.seq - last - 1;
+        }
+        self.seq = Some(offer.seq);
+        self.counts.ok += 1;
+        if offer.estop {
+            self.leave(Phase::Estop, Lapse::Controller);
+        } else if self.phase == Phase::Running {
+            if offer.drives {
+                self.command = Some(*offer);
+            } else if self.command.is_some() {
+                // Before the first command that drives, the controller has not heard the START.
+                self.leave(Phase::SafeStop, Lapse::Controller);
+            }
+        }
+        Ok(())
+    }
+
+    fn standstill(&self, rules: &Rules, now_ns: i64) -> Result<(), Denied> {
+        if self.seen.is_none() {
+            return Err(Denied::NoState);
+        }
+        if !self.is_fresh(rules, now_ns) {
+            return Err(Denied::NotFresh);
+        }
+        let speed = self.estimate.v_x.hypot(self.estimate.v_y);
+        if speed < rules.still { Ok(()) } else { Err(Denied::Moves { speed }) }
+    }
+
+    fn obey(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
+        let name = self.phase.name();
+        let latched = matches!(self.phase, Phase::Estop | Phase::Fault);
+        match order.kind {
+            OrderKind::Estop => self.leave(Phase::Estop, Lapse::Operator),
+            OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
+            OrderKind::Reset => {
+                self.standstill(rules, now_ns)?;
+                self.phase = Phase::Idle;
+            }
+            OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
+            OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
+                self.speed_cap = (cap > 0.0).then_some(cap);
+            }
+            OrderKind::SpeedCap(found) => return Err(Denied::Cap { found }),
+            _ if latched => return Err(Denied::Latched(name)),
+            OrderKind::Stop | OrderKind::Disarm => match self.phase {
+                Phase::Running => self.leave(Phase::SafeStop, Lapse::Operator),
+                Phase::Armed => self.leave(Phase::Idle, Lapse::Operator),
+                _ => {}
+            },
+            OrderKind::Arm { moving } => return self.arm(rules, moving, order, now_ns),
+            OrderKind::Start => return self.start(order, now_ns),
+        }
+        Ok(())
+    }
+
+    fn arm(
+        &mut self,
+        rules: &Rules,
+        moving: bool,
+        order: &Order,
+        now_ns: i64,
+    ) -> Result<(), Denied> {
+        match self.phase {
+            Phase::Boot => return Err(Denied::NoState),
+            Phase::Idle => {}
+            // Said again: the grant stands.
+            Phase::Armed => return Ok(()),
+            phase => return Err(Denied::Phase(phase.name())),
+        }
+        match self.standstill(rules, now_ns) {
+            Err(Denied::Moves { .. }) if moving => {}
+            other => other?,
+        }
+        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
+        let good_ns = now_ns.saturating_sub(since);
+        if good_ns < rules.ready_ns {
+            return Err(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
+        }
+        let recent = |(_, then): &(i64, i64)| now_ns.saturating_sub(*then) <= rules.pulse_ns;
+        let (boot_id, _) = self.pulse.filter(recent).ok_or(Denied::NoController)?;
+        let (_, track) =
+            self.track.filter(|(sender, _)| *sender == boot_id).ok_or(Denied::NoTrack)?;
+        if track != rules.track_id {
+            return Err(Denied::Track { controller: track, car: rules.track_id });
+        }
+        self.phase = Phase::Armed;
+        self.token = order.fresh.max(1);
+        (self.armed, self.seq, self.lapse) = (Some(boot_id), None, Lapse::None);
+        Ok(())
+    }
+
+    fn start(&mut self, order: &Order, now_ns: i64) -> Result<(), Denied> {
+        if !matches!(self.phase, Phase::Armed | Phase::Running) {
+            return Err(Denied::NotArmed(self.phase.name()));
+        }
+        if order.token != self.token || self.token == 0 {
+            return Err(Denied::Token { found: order.token });
+        }
+        if self.phase == Phase::Running {
+            match (self.deadman_ns, order.deadman) {
+                (Some(_), true) => self.deadman_ns = Some(now_ns),
+                (Some(_), false) => self.leave(Phase::SafeStop, Lapse::Deadman),
+                (None, _) => {}
+            }
+            return Ok(());
+        }
+        (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
+        self.deadman_ns = order.deadman.then_some(now_ns);
+        Ok(())
+    }
+
+    fn tick(&mut self, rules: &Rules, now_ns: i64) {
+        let dt = match self.tick_ns {
+            Some(then) => now_ns.saturating_sub(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
+            None => rules.tick_ns as f64 * 1e-9,
+        };
+        let before = self.applied.map(|applied| applied.sent).unwrap_or_default();
+        let ahead = now_ns.saturating_sub(self.estimate_ns).max(0) as f64 * 1e-9;
+        self.estimate = stop::reckon(rules, &self.estimate, before, ahead.min(dt));
+        self.estimate_ns = now_ns;
+        self.tick_ns = Some(now_ns);
+        if self.phase == Phase::SafeStop && self.standstill(rules, now_ns).is_ok() {
+            self.phase = Phase::Idle;
+        }
+        let driven = match self.phase {
+            Phase::Running => {
+                self.command.and_then(|command| command.input_at(now_ns, rules.period_ns))
+            }
+            _ => None,
+        };
+        let held = matches!(self.phase, Phase::Boot | Phase::Idle | Phase::Armed | Phase::Running);
+        let (asked, source) = match driven {
+            Some((input, false)) => (input, Source::Command),
+            Some((input, true)) => (input, Source::Plan),
+            None => {
+                let source = if held { Source::None } else { Source::Stop };
+                (stop::brake(rules, &self.estimate), source)
+            }
+        };
+        let cap = self.speed_cap.unwrap_or(f64::INFINITY).min(rules.limiter.speed_cap);
+        let limiter = vehicle_model::Limiter { speed_cap: cap, ..rules.limiter };
+        let applied = limiter.limit(asked, before, self.estimate.v_x, dt);
+        self.counts.limited += i64::from(applied.bits != 0);
+        (self.applied, self.source) = (Some(applied), source);
+    }
+}

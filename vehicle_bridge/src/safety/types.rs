@@ -1,0 +1,122 @@
+//! What goes into the core and what comes out.
+
+use lcm_types::Heartbeat;
+use vehicle_model::{Limited, State};
+
+use super::command::{Offer, Reject};
+use super::order::{Denied, Order};
+
+/// States of the bridge; their numbers are those of [`Heartbeat`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(i8)]
+pub enum Phase {
+    /// Nothing is known of the car.
+    #[default]
+    Boot = Heartbeat::BOOT,
+    /// Holds the car.
+    Idle = Heartbeat::IDLE,
+    /// A controller holds the grant; the car is held.
+    Armed = Heartbeat::ARMED,
+    /// The controller drives.
+    Running = Heartbeat::RUNNING,
+    /// Brakes along the track; IDLE at standstill.
+    SafeStop = Heartbeat::SAFE_STOP,
+    /// The car failed; ends by reset.
+    Fault = Heartbeat::FAULT,
+    /// Emergency stop; ends by reset at standstill.
+    Estop = Heartbeat::ESTOP,
+}
+
+impl Phase {
+    /// As people read it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Boot => "BOOT",
+            Self::Idle => "IDLE",
+            Self::Armed => "ARMED",
+            Self::Running => "RUNNING",
+            Self::SafeStop => "SAFE_STOP",
+            Self::Fault => "FAULT",
+            Self::Estop => "ESTOP",
+        }
+    }
+}
+
+/// Where the applied input comes from; the numbers of `CAR/ACT`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(i8)]
+pub enum Source {
+    /// Nobody: the car is held.
+    #[default]
+    None = 0,
+    /// The command in force.
+    Command = 1,
+    /// Its fallback plan.
+    Plan = 2,
+    /// The safe stop.
+    Stop = 3,
+}
+
+/// What happens to the bridge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event<'a> {
+    /// The car's state in the track's frame, with its quality (2 good, 1 degraded, 0 bad).
+    State(State, i8),
+    /// A command that passed [`super::decode`].
+    Command(&'a Offer),
+    /// A life sign of the controller whose start this is.
+    Pulse(i64),
+    /// The controller of this start drives on this track.
+    Track(i64, i64),
+    /// The operator.
+    Order(Order),
+    /// The car failed.
+    CarFailed,
+    /// Time to act.
+    Tick,
+}
+
+/// What became of an event.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Answer {
+    /// Nothing to say.
+    #[default]
+    None,
+    /// Believed, or obeyed.
+    Accepted,
+    /// A command that was not believed.
+    Rejected(Reject),
+    /// An order that was not obeyed.
+    Denied(Denied),
+}
+
+/// What the car gets, and what there is to say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Output {
+    /// Input to apply from this event on, and what was asked; new with each [`Event::Tick`].
+    pub applied: Limited,
+    /// Where it comes from.
+    pub source: Source,
+    /// What became of the event.
+    pub answer: Answer,
+}
+
+/// Commands so far, by what became of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Believed. \[-\]
+    pub ok: i64,
+    /// Refused by number or sender. \[-\]
+    pub old: i64,
+    /// Refused by age. \[-\]
+    pub stale: i64,
+    /// Refused by anything else. \[-\]
+    pub bad: i64,
+    /// Missing by the numbers. \[-\]
+    pub lost: i64,
+    /// Ticks with an input that a limit moved. \[-\]
+    pub limited: i64,
+    /// Stops so far. \[-\]
+    pub stops: i64,
+}
