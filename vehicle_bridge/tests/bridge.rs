@@ -16,7 +16,7 @@ const MOST_NS: i64 = 100_000_000 + 100_000_000 + 300_000_000;
 
 fn operator(order: &[&str]) -> Output {
     let lmpc = Command::new(env!("CARGO_BIN_EXE_lmpc"))
-        .args([&["operator"], order, &["--url", URL]].concat())
+        .args([&["operator", "--url", URL], order].concat())
         .output();
     lmpc.unwrap()
 }
