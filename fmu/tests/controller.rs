@@ -53,8 +53,19 @@ impl Fmu {
     }
 
     fn ready() -> Self {
+        Self::with(&[])
+    }
+
+    /// Initialised with these texts.
+    fn with(texts: &[(&str, &str)]) -> Self {
         let fmu = Self::instantiate();
         let laps = WARM_UP_LAPS as f64;
+        for (name, text) in texts {
+            let text = CString::new(*text).unwrap();
+            // SAFETY: one reference, one text.
+            let status = unsafe { c::fmi2SetString(fmu.0, &reference(name), 1, &text.as_ptr()) };
+            assert_eq!(status, 0, "{name}");
+        }
         // SAFETY: one reference, one value.
         unsafe {
             assert_eq!(c::fmi2SetReal(fmu.0, &reference("param.warm_up.laps"), 1, &laps), 0);
@@ -174,6 +185,30 @@ fn commands_are_the_controllers_bit_for_bit_and_so_after_rollback_and_revival() 
     let mut damaged = bytes.clone();
     damaged[bytes.len() / 2] ^= 4;
     assert_eq!(Fmu::instantiate().restore(&damaged), 3);
+}
+
+#[test]
+fn learned_data_goes_through_a_file_to_the_next_day() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("learned.lmpc");
+    let saving = Fmu::with(&[("param.learned_save", path.to_str().unwrap())]);
+    drive(&mut plant(), 0, STEPS / 2, |k, x| saving.step(k, x));
+
+    let mut config = Config::default();
+    config.warm_up.laps = WARM_UP_LAPS;
+    let (car, start) = (CarParams::builtin("barc").unwrap(), plant());
+    let mut native = Controller::new(config, car, start.track().clone()).unwrap();
+    native.load(&std::fs::read(&path).unwrap()).unwrap();
+    assert!(native.laps().len() > 1, "{} laps", native.laps().len());
+    let expected = drive(&mut start.clone(), 0, 100, |k, x| {
+        let time = k as f64 * PERIOD;
+        native.step(&Measurement { time, pose: Pose::Frenet(*x), applied: None }).input
+    });
+    let loading = Fmu::with(&[("param.learned_load", path.to_str().unwrap())]);
+    assert!(drive(&mut start.clone(), 0, 100, |k, x| loading.step(k, x)) == expected);
+    // Nothing learned, other commands.
+    let fresh = Fmu::ready();
+    assert!(drive(&mut plant(), 0, 100, |k, x| fresh.step(k, x)) != expected);
 }
 
 #[test]
