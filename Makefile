@@ -14,6 +14,7 @@ test:
 	tests/interop/types.sh
 	tests/interop/python_vehicle.sh
 	tests/interop/mapped_car.sh
+	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/realtime.sh
 	tests/interop/spy.sh

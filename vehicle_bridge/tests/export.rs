@@ -5,14 +5,17 @@
     reason = "a test that cannot set up its files has failed"
 )]
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 use lcm_types::eventlog::Writer;
 use lcm_types::{
-    Checked as _, Header, Message as _, MpcTelemetry, PredPoint, VehicleState, channels,
+    ActuationCommand, ActuationReport, Checked as _, Header, Message as _, MpcTelemetry, PredPoint,
+    VehicleState, channels,
 };
+use serde_json::Value;
 use tempfile::TempDir;
 
 const STEPS: i16 = 12;
@@ -141,4 +144,112 @@ fn foreign_types_come_from_files_and_a_silent_channel_is_an_error() {
     assert_eq!(table, "time_s,utime,pos[0],pos[1],pos[2],raw\n0.000005,0,0,0,0,0000\n");
     let output = export(folder.path(), &log, &["--csv", "out", "--channel", "NOPE"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
+}
+
+/// The smallest drive that shows everything: a track, a state, a step, a command and its report.
+fn drive() -> Vec<u8> {
+    let track = vehicle_model::Track::builtin("l").unwrap();
+    let mut log = Writer::new(Vec::new());
+    let mut bytes = Vec::new();
+    let posed = VehicleState { valid: VehicleState::POSE, x: 1.25, yaw: 0.5, ..state(7) };
+    posed.seal_into(&mut bytes).unwrap();
+    log.write(1_000_001, channels::STATE, &bytes).unwrap();
+    ActuationCommand::default().seal_into(&mut bytes).unwrap();
+    log.write(1_000_002, channels::COMMAND, &bytes).unwrap();
+    ActuationReport::default().seal_into(&mut bytes).unwrap();
+    log.write(1_000_003, channels::ACTUATION, &bytes).unwrap();
+    let told = MpcTelemetry {
+        n_slack: 1,
+        slack: vec![0.01],
+        n_x: 6,
+        ss: vec![vec![1.0, 0.0, 0.0, 0.0, 0.5, 0.1]],
+        ..telemetry(3)
+    };
+    told.encode_into(&mut bytes).unwrap();
+    log.write(1_000_004, channels::TELEMETRY, &bytes).unwrap();
+    let map = vehicle_bridge::network::telemetry::track_message(&track);
+    for utime in [1_000_005, 2_000_005] {
+        map.seal_into(&mut bytes).unwrap();
+        log.write(utime, channels::TRACK, &bytes).unwrap();
+    }
+    log.into_inner()
+}
+
+/// Topics of an exported drive, with the schema, the log times and the messages of each.
+fn exported() -> BTreeMap<String, (Value, Vec<(u64, Value)>)> {
+    let folder = TempDir::new().unwrap();
+    let output = export(folder.path(), &drive(), &["--mcap", "drive.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let file = fs::read(folder.path().join("drive.mcap")).unwrap();
+    let mut topics: BTreeMap<String, (Value, Vec<(u64, Value)>)> = BTreeMap::new();
+    for message in mcap::MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        let schema = serde_json::from_slice(&message.channel.schema.as_ref().unwrap().data);
+        let topic = topics.entry(message.channel.topic.clone());
+        let (_, messages) = topic.or_insert_with(|| (schema.unwrap(), Vec::new()));
+        messages.push((message.log_time, serde_json::from_slice(&message.data).unwrap()));
+    }
+    topics
+}
+
+#[test]
+fn the_scene_shows_track_car_prediction_and_safe_set() {
+    let topics = exported();
+    let (schema, states) = &topics["CAR/STATE"];
+    let speed = &schema["properties"]["vx"];
+    assert_eq!(speed["type"], "number");
+    assert!(speed["description"].as_str().unwrap().contains("[m/s]"));
+    assert_eq!((states[0].0, &states[0].1["x"]), (1_000_001_000, &Value::from(1.25)));
+    let only = |topic: &str| {
+        let messages = &topics[topic].1;
+        assert_eq!(messages.len(), 1, "{topic}");
+        messages[0].1["entities"][0].clone()
+    };
+    let pose = &only("scene/car")["cubes"][0]["pose"];
+    assert_eq!(pose["position"]["x"], 1.25);
+    assert!((pose["orientation"]["z"].as_f64().unwrap() - 0.25_f64.sin()).abs() < 1e-12);
+    assert_eq!(topics["tf"].1[0].1["translation"]["x"], 1.25);
+    assert_eq!(only("scene/prediction")["lines"][0]["points"].as_array().unwrap().len(), 3);
+    // The safe set's point stands where the track puts it; the track was said after it.
+    let place = vehicle_model::State { s: 0.5, e_y: 0.1, ..Default::default() };
+    let place = vehicle_model::Track::builtin("l").unwrap().to_global(&place);
+    let sphere = &only("scene/safe_set")["spheres"][0]["pose"]["position"];
+    assert!((sphere["x"].as_f64().unwrap() - place.x).abs() < 1e-3);
+    assert!((sphere["y"].as_f64().unwrap() - place.y).abs() < 1e-3);
+    assert_eq!(only("scene/track")["lines"].as_array().unwrap().len(), 2);
+}
+
+/// Every message path and topic in a panel's configuration.
+fn paths(of: &Value, found: &mut Vec<String>) {
+    let Value::Object(entries) = of else {
+        of.as_array().into_iter().flatten().for_each(|inner| paths(inner, found));
+        return;
+    };
+    for (key, value) in entries {
+        match (key.as_str(), value) {
+            ("value" | "path", Value::String(path)) => found.push(path.clone()),
+            ("topics", Value::Object(topics)) => found.extend(topics.keys().cloned()),
+            _ => paths(value, found),
+        }
+    }
+}
+
+#[test]
+fn every_path_of_the_foxglove_layout_is_in_an_export() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/foxglove-layout.json");
+    let layout: Value = serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
+    let mut found = Vec::new();
+    paths(&layout["configById"], &mut found);
+    assert!(found.len() >= 14, "{found:?}");
+    let topics = exported();
+    for path in found {
+        let (topic, fields) = path.split_once('.').unwrap_or((&path, ""));
+        let message = &topics.get(topic).unwrap_or_else(|| panic!("no topic of {path}")).1[0].1;
+        let pointer = format!("/{}", fields.replace('[', "/").replace(']', "").replace('.', "/"));
+        let value = if fields.is_empty() { Some(message) } else { message.pointer(&pointer) };
+        assert!(value.is_some_and(|v| !v.is_null()), "{path}");
+    }
+    for panel in layout["configById"].as_object().unwrap().keys() {
+        assert!(layout["layout"].to_string().contains(&format!("\"{panel}\"")), "{panel}");
+    }
 }

@@ -67,7 +67,7 @@ pub enum Command {
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
     Replay(Box<ReplayArgs>),
-    /// Write a log as CSV tables
+    /// Write a log as CSV tables or as MCAP for Foxglove
     Export(ExportArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use super::Outcome;
 use crate::cli::ExportArgs;
 use crate::console::{Talk, WARN, paint, result};
-use crate::export::{Account, Types, csv};
+use crate::export::{Account, Types, csv, mcap};
 
 /// Writes a log for other tools.
 pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {
@@ -13,6 +13,9 @@ pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {
     let mut account = Account::default();
     if let Some(folder) = &args.csv {
         account = csv::write(&args.log, &types, &args.channels, folder)?;
+    }
+    if let Some(file) = &args.mcap {
+        account = mcap::write(&args.log, &types, &args.channels, file)?;
     }
     for channel in &args.channels {
         let heard = account.streams.keys().any(|stream| stream.channel == *channel)
