@@ -16,7 +16,6 @@ test:
 	tests/interop/mapped_car.sh
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
-	tests/interop/realtime.sh
 	tests/interop/spy.sh
 	$(MAKE) fmu-test
 

@@ -41,11 +41,12 @@ echo "== through the fmi crate: step by step, then the car of lmpc race"
 cargo run --quiet --release -p vehicle_bridge --example packed_fmus -- "$fmus"
 lmpc() { cargo run --quiet --release -p vehicle_bridge --bin lmpc -- --quiet "$@"; }
 # Bit for bit but for the model error (column 30): it needs to see into the car.
-cut -d, -f30 --complement "$work/race/trajectory.csv" > "$work/race/seen.csv"
+column=$(head -1 "$work/race/trajectory.csv" | tr , '\n' | grep -nx model_error | cut -d: -f1)
+cut -d, -f"$column" --complement "$work/race/trajectory.csv" > "$work/race/seen.csv"
 for version in 2 3; do
     lmpc race --laps 5 --vehicle "fmu:$fmus/fmi$version/lmpc-vehicle.fmu" \
         --out "$work/fmu$version" > /dev/null
-    cut -d, -f30 --complement "$work/fmu$version/trajectory.csv" | cmp - "$work/race/seen.csv"
+    cut -d, -f"$column" --complement "$work/fmu$version/trajectory.csv" | cmp - "$work/race/seen.csv"
 done
 mkdir -p "$work/foreign"
 "$tools/fmpy/bin/pythonfmu" build -d "$work/foreign" -f examples/fmu/degrees_vehicle.py \
