@@ -40,7 +40,7 @@ cargo run --quiet --release -p vehicle_bridge --bin lmpc -- \
 echo "== through the fmi crate: step by step, then the car of lmpc race"
 cargo run --quiet --release -p vehicle_bridge --example packed_fmus -- "$fmus"
 lmpc() { cargo run --quiet --release -p vehicle_bridge --bin lmpc -- --quiet "$@"; }
-# Bit for bit but for the model error (column 30): it needs to see into the car.
+# Bit for bit but for the model error: it needs to see into the car.
 column=$(head -1 "$work/race/trajectory.csv" | tr , '\n' | grep -nx model_error | cut -d: -f1)
 cut -d, -f"$column" --complement "$work/race/trajectory.csv" > "$work/race/seen.csv"
 for version in 2 3; do
