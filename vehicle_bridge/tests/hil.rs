@@ -21,7 +21,7 @@ fn run(file: &Path, name: &str, more: &[&str]) -> (Output, PathBuf) {
 
 #[test]
 fn the_shipped_benches_have_no_problems() {
-    for name in ["faults.toml", "quick.toml"] {
+    for name in ["faults.toml", "host.toml", "quick.toml"] {
         assert_eq!(check_file(&bench(name)).problems, vec![], "{name}");
     }
 }
@@ -70,4 +70,38 @@ fn mistakes_in_a_bench_are_named() {
     let problems = check_file(&file).problems;
     let text = format!("{problems:?}");
     assert!(problems.len() == 2 && text.contains("`cra`") && text.contains("least 2"), "{text}");
+}
+
+/// A bench of one scenario that is a program.
+fn program(name: &str, scenario: &str) -> PathBuf {
+    let text = std::fs::read_to_string(bench("host.toml")).unwrap();
+    let head = &text[..text.find("[[scenario]]").unwrap()];
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, format!("{head}[[scenario]]\nname = \"x\"\n{scenario}")).unwrap();
+    file
+}
+
+#[test]
+fn a_program_is_judged_by_what_it_prints_and_how_it_ends() {
+    let prints = "program = [\"sh\", \"-c\", \"echo lost {seed}; exit CODE\"]\nsays = [\"WORD\"]\n\
+                  [[scenario.expect]]\nmeasure = \"lost\"\nmost = 1\n";
+    let good = prints.replace("CODE", "0").replace("WORD", "lost");
+    for (name, text, seed, broken) in [
+        ("good", good.clone(), "1", None),
+        ("limit", good.clone(), "2", Some("lost: 2.0000, limit &lt;= 1")),
+        ("code", prints.replace("CODE", "3").replace("WORD", "lost"), "1", Some("exit_code: 3")),
+        ("says", prints.replace("CODE", "0").replace("WORD", "won"), "1", Some("`won`")),
+    ] {
+        let file = program(&format!("program-{name}.toml"), &text);
+        let (output, out) = run(&file, &format!("hil-{name}"), &["--seed", seed]);
+        assert_eq!(output.status.code(), Some(i32::from(broken.is_some())), "{name} {output:?}");
+        let junit = std::fs::read_to_string(out.join("junit.xml")).unwrap();
+        assert!(broken.is_none_or(|broken| junit.contains(broken)), "{name}: {junit}");
+    }
+    let mixed = format!("processes = [\"car\"]\n{good}");
+    let observed = "says = [\"x\"]\n[[scenario.expect]]\nmeasure = \"trps\"\nmost = 0\n";
+    for (text, problems) in [(mixed.as_str(), 2), (observed, 2)] {
+        let found = check_file(&program("program-wrong.toml", text)).problems;
+        assert_eq!(found.len(), problems, "{found:?}");
+    }
 }

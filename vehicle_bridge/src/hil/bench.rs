@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use super::fault::Fault;
-use super::measure::Expectation;
+use super::measure::{Expectation, Name};
 
 /// A bench file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -93,6 +93,14 @@ pub struct Scenario {
     pub expected: String,
     /// Runs; the bench's unless given. \[-\]
     pub repeats: Option<u32>,
+    /// A program that is the whole scenario, in the words of a process's command: each line
+    /// `name value` it prints is a measure, beside `exit_code` (0 unless expected otherwise) and
+    /// `duration_s`.
+    #[serde(default)]
+    pub program: Vec<String>,
+    /// What the program has to say, somewhere in what it prints.
+    #[serde(default)]
+    pub says: Vec<String>,
     /// Processes to start, by name, in this order.
     #[serde(default)]
     pub processes: Vec<String>,
@@ -108,7 +116,8 @@ pub struct Scenario {
     /// How long is observed from there on. \[s\]
     #[serde(default = "observe")]
     pub observe_s: f64,
-    /// Longest time until `when` holds; longer is a failure of the run. \[s\]
+    /// Longest time until `when` holds, or the program has ended; longer is a failure of the run.
+    /// \[s\]
     #[serde(default = "patience")]
     pub patience_s: f64,
     /// Faults.
@@ -131,6 +140,26 @@ pub struct When {
     pub s_m: Option<f64>,
     /// Laps begun. \[-\]
     pub lap: i32,
+}
+
+impl Scenario {
+    /// What does not go with a program, or not without one.
+    fn program_problems(&self) -> Vec<String> {
+        let printed = self.expectations.iter().filter_map(|e| match &e.measure {
+            Name::Printed(name) => Some(name),
+            Name::Observed(_) => None,
+        });
+        if self.program.is_empty() {
+            let unknown = printed.map(|name| {
+                format!("measure `{name}` is not known; only a `program` prints its own")
+            });
+            let says = (!self.says.is_empty()).then(|| "says: only with `program`".to_owned());
+            return unknown.chain(says).collect();
+        }
+        let driven = !self.processes.is_empty() || !self.faults.is_empty();
+        let mixed = driven.then(|| "program: not together with processes and faults".to_owned());
+        mixed.into_iter().collect()
+    }
 }
 
 impl Bench {
@@ -159,6 +188,7 @@ impl Bench {
             if scenario.expectations.is_empty() {
                 problems.push(format!("{at}: expects nothing; add [[scenario.expect]]"));
             }
+            problems.extend(scenario.program_problems().into_iter().map(|p| format!("{at}: {p}")));
             let positive = [
                 ("observe_s", scenario.observe_s),
                 ("patience_s", scenario.patience_s),

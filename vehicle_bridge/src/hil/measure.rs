@@ -38,12 +38,22 @@ pub enum Measure {
     StopDistanceM,
 }
 
+/// What a limit is on.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Name {
+    /// What the bench measures itself.
+    Observed(Measure),
+    /// What a scenario's program prints, as a line `name value`.
+    Printed(String),
+}
+
 /// A limit on a measure.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
     /// What is measured.
-    pub measure: Measure,
+    pub measure: Name,
     /// Largest value allowed.
     pub most: Option<f64>,
     /// Smallest value allowed.
@@ -51,7 +61,21 @@ pub struct Expectation {
 }
 
 /// Values of one run.
-pub type Values = BTreeMap<Measure, f64>;
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Values(BTreeMap<Name, f64>);
+
+impl Values {
+    /// Sets a value.
+    pub fn insert(&mut self, name: impl Into<Name>, value: f64) {
+        self.0.insert(name.into(), value);
+    }
+
+    /// The value, if it was measured.
+    #[must_use]
+    pub fn get(&self, name: impl Into<Name>) -> Option<f64> {
+        self.0.get(&name.into()).copied()
+    }
+}
 
 impl Measure {
     /// The name in bench files.
@@ -64,9 +88,39 @@ impl Measure {
     }
 }
 
+impl Name {
+    /// The name in bench files.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::Observed(measure) => measure.name(),
+            Self::Printed(name) => name.clone(),
+        }
+    }
+}
+
+impl From<Measure> for Name {
+    fn from(measure: Measure) -> Self {
+        Self::Observed(measure)
+    }
+}
+
+impl From<&Name> for Name {
+    fn from(name: &Name) -> Self {
+        name.clone()
+    }
+}
+
+impl From<&str> for Name {
+    fn from(text: &str) -> Self {
+        let known = serde_json::from_value(text.into());
+        known.map_or_else(|_| Self::Printed(text.to_owned()), Self::Observed)
+    }
+}
+
 impl Expectation {
     pub(super) fn problem(&self) -> Option<String> {
-        let name = self.measure.name();
+        let name = self.measure.text();
         match (self.least, self.most) {
             (None, None) => Some(format!("expect {name}: neither least nor most")),
             (Some(least), Some(most)) if least > most => {
@@ -91,8 +145,8 @@ impl Expectation {
     /// Why values do not meet it; a value that is missing does not.
     #[must_use]
     pub fn broken(&self, values: &Values) -> Option<String> {
-        let name = self.measure.name();
-        let Some(&value) = values.get(&self.measure) else {
+        let name = self.measure.text();
+        let Some(value) = values.get(&self.measure) else {
             return Some(format!("{name}: never happened, limit {}", self.limit()));
         };
         let met = self.least.is_none_or(|l| value >= l) && self.most.is_none_or(|m| value <= m);
@@ -106,9 +160,15 @@ mod tests {
 
     #[test]
     fn what_never_happened_breaks_every_limit() {
-        let limit = Expectation { measure: Measure::LossToStopMs, most: Some(110.0), least: None };
-        assert!(limit.broken(&Values::new()).is_some());
-        let with = |value| limit.broken(&Values::from([(Measure::LossToStopMs, value)]));
+        let measure = Name::from("loss_to_stop_ms");
+        assert_eq!(measure, Measure::LossToStopMs.into());
+        let limit = Expectation { measure, most: Some(110.0), least: None };
+        assert!(limit.broken(&Values::default()).is_some());
+        let with = |value| {
+            let mut values = Values::default();
+            values.insert(Measure::LossToStopMs, value);
+            limit.broken(&values)
+        };
         assert_eq!(
             (with(110.0), with(110.1).is_some(), with(f64::NAN).is_some()),
             (None, true, true)

@@ -11,6 +11,7 @@ pub mod fault;
 pub mod measure;
 mod observe;
 mod process;
+mod program;
 mod proxy;
 mod random;
 mod run;

@@ -64,7 +64,7 @@ impl Heard {
         limits: &OutputLimits,
         track: &Track,
     ) -> Values {
-        let mut values = Values::new();
+        let mut values = Values::default();
         let after: Vec<_> = self.reports.iter().filter(|r| r.h.mono_ns >= start_ns).collect();
         let ms = |from: i64, to: i64| (to - from) as f64 * 1e-6;
         let first = |source: &dyn Fn(&ActuationReport) -> bool, from: i64| {
@@ -204,7 +204,8 @@ mod tests {
             (Measure::Trips, 1.0),
         ];
         for (measure, value) in expected {
-            assert!((values[&measure] - value).abs() < 1e-9, "{measure:?}: {values:?}");
+            let found = values.get(measure).unwrap();
+            assert!((found - value).abs() < 1e-9, "{measure:?}: {values:?}");
         }
     }
 }

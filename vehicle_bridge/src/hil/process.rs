@@ -1,8 +1,9 @@
 //! Programs under test: started, stopped, killed by their own ids.
 
 use std::fs::File;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
@@ -93,6 +94,11 @@ impl Drop for Program {
         }
         self.kill();
     }
+}
+
+/// The exit code; of a program a signal ended, 128 and the signal's number, as in a shell.
+pub(super) fn ended(status: ExitStatus) -> i32 {
+    status.code().unwrap_or_else(|| 128 + status.signal().unwrap_or_default())
 }
 
 fn spawn(command: &[String], log: &Path) -> Result<Child> {

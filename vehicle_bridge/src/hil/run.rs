@@ -15,6 +15,7 @@ use super::fault::Action;
 use super::measure::{Measure, Values};
 use super::observe::{Heard, Point};
 use super::process::Program;
+use super::program;
 use super::proxy::Proxy;
 use super::random::Random;
 use crate::network::convert::nanoseconds;
@@ -58,16 +59,21 @@ pub struct Outcome {
 pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> Outcome {
     let begun = Instant::now();
     let mut outcome = Outcome { seed, ..Outcome::default() };
-    match drive(place, scenario, seed, ports) {
+    let result = if scenario.program.is_empty() {
+        drive(place, scenario, seed, ports)
+    } else {
+        program::run(place, scenario, seed, ports).map(|values| (values, Vec::new()))
+    };
+    match result {
         Ok((values, points)) => {
             let limits = scenario.expectations.iter();
             outcome.broken = limits.filter_map(|limit| limit.broken(&values)).collect();
             (outcome.values, outcome.points) = (values, points);
             // No scenario needs to say this, and none may allow it.
             for measure in [Measure::UnsafeOutputs, Measure::Crashes] {
-                if let Some(&count) = outcome.values.get(&measure)
+                if let Some(count) = outcome.values.get(measure)
                     && count > 0.0
-                    && !scenario.expectations.iter().any(|e| e.measure == measure)
+                    && !scenario.expectations.iter().any(|e| e.measure == measure.into())
                 {
                     outcome.broken.push(format!("{}: {count}, limit <= 0", measure.name()));
                 }
@@ -85,33 +91,20 @@ fn drive(
     seed: u64,
     ports: u16,
 ) -> Result<(Values, Vec<Point>)> {
-    let url = |port: u16| format!("udpm://239.255.76.67:{port}?ttl=0");
-    let (control_url, car_url) = (url(ports), url(ports + 1));
-    let options = |url: &str| Url::parse(url)?.udpm_options();
     let folder = Folder::new(ports)?;
+    let words = Words::of(place, seed, ports, &folder);
+    let (control_url, car_url) = (&words.control_url, &words.car_url);
+    let options = |url: &str| Url::parse(url)?.udpm_options();
     let heard = Inbox::queue(HEARD);
-    let observer = transport::open(&car_url, None)?;
+    let observer = transport::open(car_url, None)?;
     observer.subscribe(Filter::All, heard.sink())?;
     let start = Arc::new(AtomicI64::new(i64::MAX));
-    let proxy = Proxy::start(
-        (&options(&control_url)?, &options(&car_url)?),
-        &scenario.faults,
-        &start,
-        seed,
-    )?;
+    let proxy =
+        Proxy::start((&options(control_url)?, &options(car_url)?), &scenario.faults, &start, seed)?;
     let mut programs = Vec::new();
     for name in &scenario.processes {
         let process = place.bench.process(name).with_context(|| format!("process `{name}`"))?;
-        let fill = |text: &String| {
-            text.replace("{lmpc}", &place.lmpc.display().to_string())
-                .replace("{control_url}", &control_url)
-                .replace("{car_url}", &car_url)
-                .replace("{dir}", &folder.0.display().to_string())
-                .replace("{seed}", &seed.to_string())
-                .replace("{car}", &place.bench.car)
-                .replace("{track}", &place.bench.track)
-        };
-        let command: Vec<String> = process.command.iter().map(fill).collect();
+        let command = words.fill(&process.command);
         let ready = Inbox::latest();
         if let Some(channel) = &process.ready {
             observer.subscribe(Filter::channel(channel), ready.sink())?;
@@ -126,7 +119,7 @@ fn drive(
         }
         programs.push(program);
     }
-    let control = transport::open(&control_url, None)?;
+    let control = transport::open(control_url, None)?;
     let task = Task {
         car: place.car.clone(),
         track: Arc::clone(&place.track),
@@ -208,11 +201,42 @@ fn inject(scenario: &Scenario, programs: &mut [Program], begins: i64) -> Result<
     Ok(())
 }
 
+/// What words in braces in a bench file's commands stand for.
+pub(super) struct Words {
+    control_url: String,
+    car_url: String,
+    others: Vec<(&'static str, String)>,
+}
+
+impl Words {
+    pub(super) fn of(place: &Place<'_>, seed: u64, ports: u16, folder: &Folder) -> Self {
+        let url = |port: u16| format!("udpm://239.255.76.67:{port}?ttl=0");
+        let others = vec![
+            ("{lmpc}", place.lmpc.display().to_string()),
+            ("{dir}", folder.0.display().to_string()),
+            ("{seed}", seed.to_string()),
+            ("{car}", place.bench.car.clone()),
+            ("{track}", place.bench.track.clone()),
+        ];
+        Self { control_url: url(ports), car_url: url(ports + 1), others }
+    }
+
+    pub(super) fn fill(&self, command: &[String]) -> Vec<String> {
+        let urls = [("{control_url}", &self.control_url), ("{car_url}", &self.car_url)];
+        let words = urls.into_iter().chain(self.others.iter().map(|(word, text)| (*word, text)));
+        let mut command = command.to_vec();
+        for (word, text) in words {
+            command.iter_mut().for_each(|part| *part = part.replace(word, text));
+        }
+        command
+    }
+}
+
 /// A folder that is removed with its run.
-struct Folder(PathBuf);
+pub(super) struct Folder(pub(super) PathBuf);
 
 impl Folder {
-    fn new(ports: u16) -> Result<Self> {
+    pub(super) fn new(ports: u16) -> Result<Self> {
         let path = std::env::temp_dir().join(format!("lmpc-hil-{}-{ports}", std::process::id()));
         std::fs::create_dir_all(&path)
             .with_context(|| format!("cannot make {}", path.display()))?;

@@ -46,11 +46,8 @@ impl Verdict<'_> {
     }
 
     fn distribution(&self, expectation: &Expectation) -> Distribution {
-        let mut values: Vec<f64> = self
-            .runs
-            .iter()
-            .filter_map(|run| run.values.get(&expectation.measure).copied())
-            .collect();
+        let mut values: Vec<f64> =
+            self.runs.iter().filter_map(|run| run.values.get(&expectation.measure)).collect();
         values.sort_by(f64::total_cmp);
         let at = |share: f64| {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
@@ -59,7 +56,7 @@ impl Verdict<'_> {
         };
         Distribution {
             limit: expectation.limit(),
-            name: expectation.measure.name(),
+            name: expectation.measure.text(),
             count: values.len(),
             median: at(0.5),
             p99: at(0.99),
