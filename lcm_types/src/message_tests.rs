@@ -57,7 +57,7 @@ const FINGERPRINTS: [(&str, u64); 12] = [
     ("lmpc.header_t", 0x82d3_c0e5_44ca_3ecc),
     ("lmpc.heartbeat_t", 0x5289_775c_07e9_2b9a),
     ("lmpc.lap_result_t", 0x2454_ff89_ec6b_8c97),
-    ("lmpc.mpc_telemetry_t", 0x6187_3af8_4ea9_3522),
+    ("lmpc.mpc_telemetry_t", 0x82a3_2b8f_2ae1_bef7),
     ("lmpc.operator_ack_t", 0x96b7_0b00_79c6_2ca5),
     ("lmpc.operator_command_t", 0x9222_fccc_670d_1e58),
     ("lmpc.pred_point_t", 0x970a_595c_8d0d_2ce2),
