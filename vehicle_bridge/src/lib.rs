@@ -22,3 +22,4 @@ pub mod settings;
 pub mod study;
 pub mod transport;
 pub mod vehicle;
+mod worker;

@@ -1,6 +1,8 @@
 //! Messages made wrong, by a seed: the same run has the same faults.
 
 use lcm_types::{ActuationCommand, OperatorCommand, VehicleState, channels};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
 
 use super::fault::{Action, Field};
 use super::random::Random;
@@ -17,7 +19,7 @@ pub(super) fn message(
     match action {
         Action::Corrupt { bits } => {
             for _ in 0..*bits {
-                let bit = random.below(8 * bytes.len().max(1));
+                let bit = random.random_range(0..8 * bytes.len().max(1));
                 if let Some(byte) = bytes.get_mut(bit / 8) {
                     *byte ^= 1 << (bit % 8);
                 }
@@ -129,7 +131,7 @@ fn field<'m>(
         Action::Set { field, value } => (field, Box::new(move |_| value)),
         Action::Bias { field, value } => (field, Box::new(move |old| old + value)),
         Action::Noise { field, sigma } => {
-            let kick = sigma * random.normal();
+            let kick: f64 = sigma * random.sample::<f64, _>(StandardNormal);
             (field, Box::new(move |old| old + kick))
         }
         _ => return false,
@@ -144,6 +146,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
 
     use super::*;
+    use crate::hil::random;
     use lcm_types::Checked as _;
 
     fn sealed() -> Vec<u8> {
@@ -156,7 +159,7 @@ mod tests {
 
     fn altered(action: &Action) -> Result<ActuationCommand, lcm_types::Error> {
         let (mut bytes, mut memory) = (sealed(), Memory::default());
-        assert!(message(action, channels::COMMAND, &mut bytes, &mut memory, &mut Random::new(1)));
+        assert!(message(action, channels::COMMAND, &mut bytes, &mut memory, &mut random::of(1)));
         ActuationCommand::open(&bytes)
     }
 

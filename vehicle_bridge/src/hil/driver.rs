@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
@@ -17,6 +16,7 @@ use super::proxy::Start;
 use crate::network::outlet::{Identity, Outlet};
 use crate::network::realtime;
 use crate::transport::{Filter, Inbox, Transport, now};
+use crate::worker::Worker;
 
 const PULSE: Duration = Duration::from_millis(100);
 /// Orders that are not acknowledged are said again.
@@ -58,15 +58,13 @@ pub(super) struct Task {
 /// The running thread; ends when dropped.
 pub(super) struct Driver {
     progress: Arc<Mutex<Progress>>,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    _worker: Worker,
 }
 
 impl Driver {
     /// Begins to answer states.
     pub(super) fn start(network: &Arc<dyn Transport>, task: Task, start: &Start) -> Result<Self> {
         let progress: Arc<Mutex<Progress>> = Arc::default();
-        let stop = Arc::new(AtomicBool::new(false));
         let inbox = Inbox::queue(64);
         let names = [channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
         let names = names.map(str::to_owned).to_vec();
@@ -85,28 +83,16 @@ impl Driver {
             acked: 0,
             restarted: false,
         };
-        let ended = Arc::clone(&stop);
-        let thread =
-            std::thread::Builder::new().name("hil-driver".to_owned()).spawn(move || {
-                let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
-                source.run(&ended);
-            })?;
-        Ok(Self { progress, stop, thread: Some(thread) })
+        let worker = Worker::start("hil-driver", move |stop| {
+            let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
+            source.run(stop);
+        })?;
+        Ok(Self { progress, _worker: worker })
     }
 
     /// How far it is.
     pub(super) fn progress(&self) -> Progress {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Drop for Driver {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // A panic was printed when it happened.
-            let _ = thread.join();
-        }
     }
 }
 

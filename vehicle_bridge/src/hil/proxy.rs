@@ -3,19 +3,20 @@
 use std::os::fd::AsFd as _;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
 
 use anyhow::{Context as _, Result};
 use lcm_types::{ActuationCommand, Checked as _, OperatorCommand, channels};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use rand::RngExt as _;
 
 use super::alter::{self, Memory};
 use super::attack;
 use super::fault::{Action, Fault};
-use super::random::Random;
+use super::random::{self, Random};
 use super::wire::{Wire, datagram, parts};
 use crate::network::realtime;
 use crate::transport::{UdpmOptions, now};
+use crate::worker::Worker;
 
 /// Largest datagram. \[B\]
 const LARGEST: usize = 65_536;
@@ -39,8 +40,7 @@ pub(super) struct Passed {
 /// The running thread; ends when dropped.
 pub(super) struct Proxy {
     passed: Arc<Mutex<Passed>>,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    _worker: Worker,
 }
 
 impl Proxy {
@@ -56,7 +56,6 @@ impl Proxy {
         });
         let [control, car] = wires;
         let passed: Arc<Mutex<Passed>> = Arc::default();
-        let stop = Arc::new(AtomicBool::new(false));
         let states = faults.iter().map(|fault| Active::new(fault.clone(), seed)).collect();
         let mut forwarder = Forwarder {
             wires: [control?, car?],
@@ -65,30 +64,19 @@ impl Proxy {
             passed: Arc::clone(&passed),
             waiting: Vec::new(),
             sequence: OWN,
-            random: Random::new(seed),
+            random: random::of(seed),
         };
-        let ended = Arc::clone(&stop);
-        let thread = std::thread::Builder::new().name("hil-proxy".to_owned()).spawn(move || {
+        let worker = Worker::start("hil-proxy", move |stop| {
             // Without the right to it the proxy is late by what the system is.
             let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
-            forwarder.run(&ended);
+            forwarder.run(stop);
         })?;
-        Ok(Self { passed, stop, thread: Some(thread) })
+        Ok(Self { passed, _worker: worker })
     }
 
     /// What went through so far.
     pub(super) fn passed(&self) -> Passed {
         self.passed.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
-
-impl Drop for Proxy {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // A panic was printed when it happened.
-            let _ = thread.join();
-        }
     }
 }
 
@@ -106,7 +94,7 @@ struct Active {
 
 impl Active {
     fn new(fault: Fault, seed: u64) -> Self {
-        let (memory, random) = (Memory::default(), Random::new(seed));
+        let (memory, random) = (Memory::default(), random::of(seed));
         Self {
             fault,
             memory,
@@ -227,7 +215,7 @@ impl Forwarder {
                 }
                 continue;
             }
-            if active.random.unit() >= active.fault.share {
+            if active.random.random::<f64>() >= active.fault.share {
                 continue;
             }
             match &active.fault.action {
@@ -237,7 +225,7 @@ impl Forwarder {
                 }
                 #[expect(clippy::cast_possible_truncation, reason = "delays of a run")]
                 Action::Delay { ms, jitter_ms } => {
-                    delay_ns += ((ms + active.random.unit() * jitter_ms) * 1e6) as i64;
+                    delay_ns += ((ms + active.random.random::<f64>() * jitter_ms) * 1e6) as i64;
                 }
                 Action::Duplicate { copies } => {
                     extra.extend((0..*copies).map(|_| bytes.clone()));
@@ -300,7 +288,11 @@ impl Forwarder {
                 Action::Storm { rate_hz, bytes } => {
                     for _ in 0..due(&mut active.next_ns, time, rate_hz) {
                         self.sequence += 1;
-                        send(&datagram(self.sequence, channel, &active.random.bytes(bytes)));
+                        send(&datagram(
+                            self.sequence,
+                            channel,
+                            &random::bytes(&mut active.random, bytes),
+                        ));
                     }
                 }
                 Action::SecondController { rate_hz } => {

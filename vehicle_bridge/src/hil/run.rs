@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
 use lcm_types::channels;
+use rand::RngExt as _;
 use vehicle_model::{CarParams, Track};
 
 use super::bench::{Bench, Scenario, Source};
@@ -17,9 +18,10 @@ use super::observe::{Heard, Point};
 use super::process::Program;
 use super::program;
 use super::proxy::Proxy;
-use super::random::Random;
+use super::random;
 use crate::network::convert::nanoseconds;
-use crate::transport::{self, Filter, Inbox, Url, now};
+use crate::network::realtime;
+use crate::transport::{self, Filter, Inbox, ThreadStart, Transport, Url, now};
 
 /// A program has this long to be heard.
 const READY: Duration = Duration::from_secs(5);
@@ -96,7 +98,7 @@ fn drive(
     let (control_url, car_url) = (&words.control_url, &words.car_url);
     let options = |url: &str| Url::parse(url)?.udpm_options();
     let heard = Inbox::queue(HEARD);
-    let observer = transport::open(car_url, None)?;
+    let observer = join(car_url)?;
     observer.subscribe(Filter::All, heard.sink())?;
     let start = Arc::new(AtomicI64::new(i64::MAX));
     let proxy =
@@ -119,7 +121,7 @@ fn drive(
         }
         programs.push(program);
     }
-    let control = transport::open(control_url, None)?;
+    let control = join(control_url)?;
     let task = Task {
         car: place.car.clone(),
         track: Arc::clone(&place.track),
@@ -129,7 +131,7 @@ fn drive(
         faults: scenario.faults.clone(),
     };
     let driver = Driver::start(&control, task, &start)?;
-    let phase = PHASE * Random::new(seed ^ 0x7ab1e).unit();
+    let phase = PHASE * random::of(seed ^ 0x7ab1e).random::<f64>();
     let begins = wait(scenario, &driver, phase)?;
     start.store(begins, Ordering::Release);
     inject(scenario, &mut programs, begins)?;
@@ -142,6 +144,12 @@ fn drive(
     let mut values = heard.values(begins, &passed, &place.bench.output, &place.track);
     values.insert(Measure::Crashes, crashes as f64);
     Ok((values, heard.points(begins)))
+}
+
+/// A network whose receiving thread a busy computer does not hold up, where the system allows it.
+fn join(url: &str) -> Result<Arc<dyn Transport>> {
+    let start: ThreadStart = Box::new(|| drop(realtime::prioritise(realtime::RECEIVE_PRIORITY)));
+    Ok(transport::open(url, Some(start))?)
 }
 
 /// Waits until the faults are to begin. \[ns\]

@@ -58,6 +58,7 @@ pub struct Bridge {
     refused: Option<String>,
     /// What the car was told at the last tick.
     held: Input,
+    source: Source,
     bridged: Bridged,
 }
 
@@ -89,6 +90,7 @@ impl Bridge {
             answered: None,
             refused: None,
             held: Input::default(),
+            source: Source::None,
             bridged: Bridged::default(),
             rules,
             vehicle,
@@ -109,19 +111,25 @@ impl Bridge {
         on_change: &mut dyn FnMut(Phase, Lapse),
     ) -> Result<Bridged> {
         let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
-        let mut due = Instant::now();
+        let (mut due, mut acted) = (Instant::now(), Instant::now());
         let mut last = self.safety.phase();
         while !stop.load(Ordering::Relaxed) {
             // From the last deadline, not from now: the beat does not drift.
             due += tick;
-            let late = self.listen(due);
-            let ticks =
-                1 + u32::try_from(late.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX - 1);
-            due += tick * (ticks - 1);
+            while self.listen(due) {
+                // Between two beats: what ends the grant does not wait for the next one.
+                let now = Instant::now().clamp(acted, due);
+                self.act((now - acted).as_secs_f64())?;
+                acted = now;
+            }
+            let late = Instant::now().saturating_duration_since(due);
+            let missed = u32::try_from(late.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX - 1);
+            due += tick * missed;
             self.bridged.ticks += 1;
-            self.bridged.missed += u64::from(ticks - 1);
+            self.bridged.missed += u64::from(missed);
             self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
-            self.act(f64::from(ticks) * tick.as_secs_f64())?;
+            self.act((due - acted).as_secs_f64())?;
+            acted = due;
             let phase = self.safety.phase();
             if phase != last {
                 on_change(phase, self.safety.lapse());
@@ -132,10 +140,13 @@ impl Bridge {
         Ok(self.bridged)
     }
 
-    /// Takes in what comes until `due`; how late it then is.
-    fn listen(&mut self, due: Instant) -> Duration {
+    /// Takes in what comes until `due`; true if the car has to be stopped before that.
+    fn listen(&mut self, due: Instant) -> bool {
         for _ in 0..WAITING {
-            let Some(received) = self.commands.wait_until(due) else { break };
+            if self.owes_stop() {
+                break;
+            }
+            let Some(received) = self.commands.wait_until(self.wake(due)) else { break };
             self.command(&received);
             self.commands.recycle(received);
         }
@@ -144,9 +155,24 @@ impl Bridge {
             self.hear(&received);
             self.others.recycle(received);
         }
-        // A storm does not bring the tick forward.
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        Instant::now().saturating_duration_since(due)
+        if !self.owes_stop() {
+            // A storm does not bring the tick forward.
+            std::thread::sleep(self.wake(due).saturating_duration_since(Instant::now()));
+        }
+        Instant::now() < due
+    }
+
+    /// Whether the car does not know yet that it is being stopped.
+    fn owes_stop(&self) -> bool {
+        self.source != Source::Stop
+            && matches!(self.safety.phase(), Phase::SafeStop | Phase::Estop | Phase::Fault)
+    }
+
+    /// The next tick, or just after the grant ends, whichever comes first.
+    fn wake(&self, due: Instant) -> Instant {
+        let Some(until_ns) = self.safety.deadline(&self.rules) else { return due };
+        let left_ns = until_ns.saturating_add(1).saturating_sub(transport::now().mono_ns);
+        due.min(Instant::now() + Duration::from_nanos(left_ns.max(0).unsigned_abs()))
     }
 
     /// The car moves on by `dt` \[s\], is measured, and gets its next input.
@@ -162,7 +188,7 @@ impl Bridge {
         let meas_ns = transport::now().mono_ns;
         self.step(&Event::State(x, 2));
         let output = self.step(&Event::Tick);
-        self.held = output.applied.sent;
+        (self.held, self.source) = (output.applied.sent, output.source);
         let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
         let track = Arc::clone(self.vehicle.track());
         let h = self.states.header();

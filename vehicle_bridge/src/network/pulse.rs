@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use lcm_types::{Heartbeat, Track, channels};
@@ -10,6 +9,7 @@ use lcm_types::{Heartbeat, Track, channels};
 use super::guard::Counts;
 use super::outlet::{Identity, Outlet};
 use crate::transport::Transport;
+use crate::worker::Worker;
 
 const INTERVAL: Duration = Duration::from_millis(100);
 /// Life signs from one message of the track to the next. \[-\]
@@ -33,8 +33,7 @@ pub struct Health {
 /// The sending thread; ends when dropped.
 pub struct Pulse {
     health: Arc<Mutex<Health>>,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    _worker: Worker,
 }
 
 impl Pulse {
@@ -49,29 +48,16 @@ impl Pulse {
         track: Option<Track>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health>> = Arc::default();
-        let stop = Arc::new(AtomicBool::new(false));
         let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
         let track = track.map(|t| (Outlet::new(network, identity, channels::TRACK), t));
-        let (seen, ended) = (Arc::clone(&health), Arc::clone(&stop));
-        let thread = std::thread::Builder::new()
-            .name("lmpc-pulse".to_owned())
-            .spawn(move || beat(outlet, track, &seen, &ended))?;
-        Ok(Self { health, stop, thread: Some(thread) })
+        let seen = Arc::clone(&health);
+        let worker = Worker::start("lmpc-pulse", move |stop| beat(outlet, track, &seen, stop))?;
+        Ok(Self { health, _worker: worker })
     }
 
     /// Changes what is said.
     pub fn update(&self, change: impl FnOnce(&mut Health)) {
         change(&mut self.health.lock().unwrap_or_else(PoisonError::into_inner));
-    }
-}
-
-impl Drop for Pulse {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // It has nothing to say at its end.
-            let _ = thread.join();
-        }
     }
 }
 

@@ -139,35 +139,51 @@ impl Safety {
         self.seen.is_some_and(|seen| now_ns.saturating_sub(seen.at_ns) <= patience)
     }
 
+    /// The last instants at which what the grant needs is still in time, and what is missing after
+    /// each; the first one that has passed tells why. \[ns\]
+    fn limits(&self, rules: &Rules) -> [(i64, Lapse); 6] {
+        const NEVER: i64 = i64::MAX;
+        let from = |then: Option<i64>, patience: i64| {
+            then.map_or(NEVER, |then| then.saturating_add(patience))
+        };
+        let late = rules.tick_ns + rules.timeout_ns;
+        let pulse = self.pulse.filter(|(boot_id, _)| Some(*boot_id) == self.armed);
+        let heard = pulse.map_or(i64::MIN, |(_, then)| then.saturating_add(rules.pulse_ns));
+        let running = self.phase == Phase::Running;
+        let (due, valid) = match self.command {
+            Some(c) => (
+                c.arrival_ns.saturating_add(rules.period_ns + rules.timeout_ns),
+                c.arrival_ns.saturating_add(c.valid_for_ns),
+            ),
+            None => (from(Some(self.started_ns), rules.start_ns), NEVER),
+        };
+        let only = |is: bool, limit: i64| if is { limit } else { NEVER };
+        [
+            (from(self.tick_ns, late), Lapse::Gap),
+            (self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(late)), Lapse::States),
+            (only(!running, heard), Lapse::Pulse),
+            (only(running, from(self.deadman_ns, rules.timeout_ns)), Lapse::Deadman),
+            (only(running, due), Lapse::Commands),
+            (only(running, valid), Lapse::Validity),
+        ]
+    }
+
+    /// When the grant ends if nothing more comes; `None` without one. A host that ticks at the
+    /// next nanosecond stops the car without waiting for its beat. \[ns\]
+    #[must_use]
+    pub fn deadline(&self, rules: &Rules) -> Option<i64> {
+        let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+        granted.then(|| self.limits(rules).map(|(until, _)| until).into_iter().min()).flatten()
+    }
+
     /// What time alone ends, before anything else is looked at.
     fn expire(&mut self, rules: &Rules, event: &Event<'_>, now_ns: i64) {
         if !matches!(self.phase, Phase::Armed | Phase::Running) {
             return;
         }
-        let since = |then: i64| now_ns.saturating_sub(then);
-        let gap = self.tick_ns.is_some_and(|then| since(then) > rules.tick_ns + rules.timeout_ns);
-        let why = if gap {
-            Lapse::Gap
-        } else if !self.is_fresh(rules, now_ns) && !matches!(event, Event::State(..)) {
-            Lapse::States
-        } else if self.phase == Phase::Armed {
-            let heard = self.pulse.filter(|(boot_id, _)| Some(*boot_id) == self.armed);
-            let silent = heard.is_none_or(|(_, then)| since(then) > rules.pulse_ns);
-            if silent { Lapse::Pulse } else { Lapse::None }
-        } else if self.deadman_ns.is_some_and(|then| since(then) > rules.timeout_ns) {
-            Lapse::Deadman
-        } else {
-            match self.command {
-                None if since(self.started_ns) > rules.start_ns => Lapse::Commands,
-                None => Lapse::None,
-                Some(c) if since(c.arrival_ns) > rules.period_ns + rules.timeout_ns => {
-                    Lapse::Commands
-                }
-                Some(c) if since(c.arrival_ns) > c.valid_for_ns => Lapse::Validity,
-                Some(_) => Lapse::None,
-            }
-        };
-        if why != Lapse::None {
+        let in_time = |why: Lapse| why == Lapse::States && matches!(event, Event::State(..));
+        let mut limits = self.limits(rules).into_iter();
+        if let Some((_, why)) = limits.find(|(until, why)| now_ns > *until && !in_time(*why)) {
             let to = if self.phase == Phase::Armed { Phase::Idle } else { Phase::SafeStop };
             self.leave(to, why);
         }
