@@ -124,6 +124,8 @@ fn clamp(value: f64, least: f64, most: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt as _, SeedableRng as _};
+
     use super::*;
 
     const LIMITER: Limiter = Limiter {
@@ -183,5 +185,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_sent_input_is_the_nearest_that_the_limits_allow() {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(3);
+        let mut seen = [0_u32; 5];
+        let mut before = Input::default();
+        for n in 0..200_000 {
+            let (asked_a, asked_delta) =
+                (random.random_range(-7.0..4.0), random.random_range(-0.6..0.6));
+            let (v_x, dt) = (random.random_range(0.0..12.0), random.random_range(0.0..0.3));
+            let got = LIMITER.limit(Input { a: asked_a, delta: asked_delta }, before, v_x, dt);
+            // Box and rates meet, as the input before was in the box; the cap yields to both.
+            let (least, most) = ((before.a - 50.0 * dt).max(-5.0), (before.a + 50.0 * dt).min(2.0));
+            let cap = ((10.0 - v_x) / 0.5).max(least);
+            let a = asked_a.max(least).min(most.min(cap));
+            let (left, right) =
+                ((before.delta + 1.0 * dt).min(0.4), (before.delta - 1.0 * dt).max(-0.4));
+            let delta = asked_delta.max(right).min(left);
+            assert!((got.sent.a - a).abs() < 1e-9, "{n}: {got:?}, expected {a}");
+            assert!((got.sent.delta - delta).abs() < 1e-9, "{n}: {got:?}, expected {delta}");
+            let moved = [got.sent.a != asked_a, got.sent.delta != asked_delta];
+            let named = [0x04 | 0x08 | 0x10, 0x01 | 0x02].map(|bits| got.bits & bits != 0);
+            let beyond = [(got.sent.a - asked_a).abs(), (got.sent.delta - asked_delta).abs()];
+            if beyond.iter().all(|by| *by == 0.0 || *by > 1e-5) {
+                assert_eq!(moved, named, "{n}: {got:?}");
+            }
+            for (bit, count) in seen.iter_mut().enumerate() {
+                *count += u32::from(got.bits & 1 << bit != 0);
+            }
+            before = got.sent;
+        }
+        assert!(seen.iter().all(|count| *count > 1000), "{seen:?}");
     }
 }

@@ -13,8 +13,6 @@ mod rules;
 mod step;
 mod stop;
 #[cfg(test)]
-mod stop_tests;
-#[cfg(test)]
 mod tests;
 mod types;
 

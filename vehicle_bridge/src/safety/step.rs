@@ -47,7 +47,7 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
     let mut next = *safety;
     next.expire(rules, event, now_ns);
     let answer = match event {
-        Event::State(x, quality) => next.see(x, *quality, now_ns),
+        Event::State(x, quality) => next.see(rules, x, *quality, now_ns),
         Event::Command(offer) => match next.weigh(rules, offer, now_ns) {
             Ok(()) => Answer::Accepted,
             Err(reject) => Answer::Rejected(reject),
@@ -189,11 +189,13 @@ impl Safety {
         }
     }
 
-    fn see(&mut self, x: &State, quality: i8, now_ns: i64) -> Answer {
+    fn see(&mut self, rules: &Rules, x: &State, quality: i8, now_ns: i64) -> Answer {
         if quality < 1 || !x.is_finite() {
             return Answer::Rejected(Reject::NotFinite);
         }
-        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
+        // After a gap they have not been good for long, whatever they were before it.
+        let unbroken = self.seen.filter(|_| self.is_fresh(rules, now_ns));
+        let since = unbroken.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
         let good_since_ns = (quality >= 2).then_some(since);
         self.seen = Some(Seen { at_ns: now_ns, good_since_ns });
         (self.estimate, self.estimate_ns) = (*x, now_ns);

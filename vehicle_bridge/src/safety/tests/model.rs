@@ -1,0 +1,242 @@
+//! The rules of `docs/safety.md` a second time, from what was said and when: what the core has to
+//! answer, and in which state it has to be.
+
+use std::collections::BTreeMap;
+
+use super::*;
+
+/// What the rules demand so far.
+#[derive(Default)]
+pub(super) struct Model {
+    pub(super) phase: Phase,
+    pub(super) lapse: Lapse,
+    pub(super) token: i64,
+    pub(super) counts: Counts,
+    /// The command in force.
+    pub(super) command: Option<Offer>,
+    /// Cap ordered. \[m/s\]
+    pub(super) cap: Option<f64>,
+    /// Last state: when, and its speed. \[ns, m/s\]
+    pub(super) state: Option<(i64, f64)>,
+    pub(super) tick: Option<i64>,
+    /// Who has the grant.
+    holder: i64,
+    last_seq: Option<i64>,
+    started: i64,
+    /// When the dead man's switch was last said to be held. \[ns\]
+    held: Option<i64>,
+    good_since: Option<i64>,
+    pulse: Option<(i64, i64)>,
+    track: Option<(i64, i64)>,
+    said: BTreeMap<i64, (i64, u32)>,
+}
+
+impl Model {
+    /// Takes an event; `damage` is what was done to the command on purpose.
+    pub(super) fn take(
+        &mut self,
+        rules: &Rules,
+        event: &Event<'_>,
+        damage: Option<Reject>,
+        now: i64,
+    ) -> Answer {
+        self.let_time_pass(rules, event, now);
+        match event {
+            Event::State(x, quality) => {
+                if *quality < 1 || !x.v_x.is_finite() {
+                    self.counts.bad += 1;
+                    return Answer::Rejected(Reject::NotFinite);
+                }
+                if *quality < 2 {
+                    self.good_since = None;
+                } else if self.good_since.is_none() || !self.fresh(rules, now) {
+                    self.good_since = Some(now);
+                }
+                self.state = Some((now, x.v_x.hypot(x.v_y)));
+                if self.phase == Phase::Boot {
+                    self.phase = Phase::Idle;
+                }
+                Answer::Accepted
+            }
+            Event::Command(offer) => self.hear(offer, damage, now),
+            Event::Pulse(sender) => {
+                self.pulse = Some((*sender, now));
+                Answer::None
+            }
+            Event::Track(sender, track) => {
+                self.track = Some((*sender, *track));
+                Answer::None
+            }
+            Event::Order(order) => match self.obey(rules, order, now) {
+                None => Answer::Accepted,
+                Some(denied) => Answer::Denied(denied),
+            },
+            Event::CarFailed => {
+                let to = if self.phase == Phase::Estop { Phase::Estop } else { Phase::Fault };
+                self.end(to, Lapse::Car);
+                Answer::None
+            }
+            Event::Tick => {
+                if self.phase == Phase::SafeStop && self.stands(rules, now) {
+                    self.phase = Phase::Idle;
+                }
+                self.tick = Some(now);
+                Answer::None
+            }
+        }
+    }
+
+    fn fresh(&self, rules: &Rules, now: i64) -> bool {
+        self.state.is_some_and(|(at, _)| now - at <= rules.tick_ns + rules.timeout_ns)
+    }
+
+    /// By the last state; between two of them the car may have begun to move or come to a stand.
+    pub(super) fn stands(&self, rules: &Rules, now: i64) -> bool {
+        self.fresh(rules, now) && self.state.is_some_and(|(_, speed)| speed < rules.still)
+    }
+
+    fn end(&mut self, to: Phase, why: Lapse) {
+        self.counts.stops += i64::from(self.phase == Phase::Running);
+        (self.phase, self.lapse, self.token) = (to, why, 0);
+        (self.command, self.last_seq, self.held) = (None, None, None);
+    }
+
+    fn let_time_pass(&mut self, rules: &Rules, event: &Event<'_>, now: i64) {
+        let to = match self.phase {
+            Phase::Armed => Phase::Idle,
+            Phase::Running => Phase::SafeStop,
+            _ => return,
+        };
+        let patience = rules.tick_ns + rules.timeout_ns;
+        let is_state = matches!(event, Event::State(..));
+        let pulse = self.pulse.filter(|(sender, _)| *sender == self.holder);
+        let pulse = pulse.map_or(i64::MIN / 2, |(_, at)| at);
+        let begun = self.phase == Phase::Running;
+        let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
+            now - c.arrival_ns > rules.period_ns + rules.timeout_ns
+        });
+        let dead = self.command.is_some_and(|c| now - c.arrival_ns > c.valid_for_ns);
+        let causes = [
+            (self.tick.is_some_and(|at| now - at > patience), Lapse::Gap),
+            (!is_state && !self.fresh(rules, now), Lapse::States),
+            (!begun && now - pulse > rules.pulse_ns, Lapse::Pulse),
+            (begun && self.held.is_some_and(|at| now - at > rules.timeout_ns), Lapse::Deadman),
+            (begun && late, Lapse::Commands),
+            (begun && dead, Lapse::Validity),
+        ];
+        if let Some((_, why)) = causes.into_iter().find(|(is, _)| *is) {
+            self.end(to, why);
+        }
+    }
+
+    fn hear(&mut self, offer: &Offer, damage: Option<Reject>, now: i64) -> Answer {
+        let (begun, count) = self.said.entry(offer.boot_id).or_insert((now, 0));
+        if now - *begun >= 100 * MS {
+            (*begun, *count) = (now, 0);
+        }
+        *count += 1;
+        let much = *count > 100;
+        let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+        let reject = if much {
+            Some(Reject::Rate)
+        } else if damage.is_some_and(|d| (d as u8) < Reject::Boot as u8) {
+            damage
+        } else if !granted || offer.boot_id != self.holder {
+            Some(Reject::Boot)
+        } else {
+            damage.filter(|damage| *damage != Reject::Boot)
+        };
+        if let Some(reject) = reject {
+            match reject {
+                Reject::Stale => self.counts.stale += 1,
+                Reject::Boot | Reject::Sequence | Reject::Token => self.counts.old += 1,
+                _ => self.counts.bad += 1,
+            }
+            if much && self.phase == Phase::Running && offer.boot_id == self.holder {
+                self.end(Phase::SafeStop, Lapse::Flood);
+            }
+            return Answer::Rejected(reject);
+        }
+        self.counts.ok += 1;
+        self.counts.lost += self.last_seq.map_or(0, |last| offer.seq - last - 1);
+        self.last_seq = Some(offer.seq);
+        match (self.phase, offer.estop, offer.drives) {
+            (_, true, _) => self.end(Phase::Estop, Lapse::Controller),
+            (Phase::Running, _, true) => self.command = Some(*offer),
+            (Phase::Running, _, false) if self.command.is_some() => {
+                self.end(Phase::SafeStop, Lapse::Controller);
+            }
+            _ => {}
+        }
+        Answer::Accepted
+    }
+
+    fn obey(&mut self, rules: &Rules, order: &Order, now: i64) -> Option<Denied> {
+        use OrderKind::{Arm, Disarm, Estop, Reset, SpeedCap, Start, Stop, Unknown};
+        let (phase, name) = (self.phase, self.phase.name());
+        let latched = matches!(phase, Phase::Estop | Phase::Fault);
+        let seen = match self.state {
+            None => Some(Denied::NoState),
+            Some(_) if !self.fresh(rules, now) => Some(Denied::NotFresh),
+            Some((_, speed)) if speed >= rules.still => Some(Denied::Moves { speed }),
+            Some(_) => None,
+        };
+        match order.kind {
+            Estop => self.end(Phase::Estop, Lapse::Operator),
+            Reset if latched && seen.is_some() => return seen,
+            Reset if latched => self.phase = Phase::Idle,
+            Reset => return Some(Denied::NothingToReset),
+            Unknown(n) => return Some(Denied::Unknown(n)),
+            SpeedCap(found) if !(0.0..=1000.0).contains(&found) => {
+                return Some(Denied::Cap { found });
+            }
+            SpeedCap(cap) => self.cap = Some(cap).filter(|cap| *cap > 0.0),
+            _ if latched => return Some(Denied::Latched(name)),
+            Stop | Disarm if phase == Phase::Running => {
+                self.end(Phase::SafeStop, Lapse::Operator);
+            }
+            Stop | Disarm if phase == Phase::Armed => self.end(Phase::Idle, Lapse::Operator),
+            Stop | Disarm => {}
+            Arm { .. } if phase == Phase::Armed => {}
+            Arm { .. } if phase == Phase::Boot => return Some(Denied::NoState),
+            Arm { .. } if phase != Phase::Idle => return Some(Denied::Phase(name)),
+            Arm { moving } => {
+                let good_ns = self.good_since.map_or(0, |since| now - since);
+                let heard = self.pulse.filter(|(_, at)| now - at <= rules.pulse_ns);
+                let on = self.track.filter(|t| heard.is_some_and(|(sender, _)| sender == t.0));
+                match (seen, heard, on) {
+                    (Some(Denied::Moves { .. }), ..) if moving => {}
+                    (Some(denied), ..) => return Some(denied),
+                    _ => {}
+                }
+                if good_ns < rules.ready_ns {
+                    return Some(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
+                }
+                let Some((holder, _)) = heard else { return Some(Denied::NoController) };
+                let Some((_, controller)) = on else { return Some(Denied::NoTrack) };
+                if controller != rules.track_id {
+                    return Some(Denied::Track { controller, car: rules.track_id });
+                }
+                (self.phase, self.token, self.lapse) = (Phase::Armed, order.fresh, Lapse::None);
+                self.holder = holder;
+            }
+            Start if self.token == 0 => return Some(Denied::NotArmed(name)),
+            Start if order.token != self.token => {
+                return Some(Denied::Token { found: order.token });
+            }
+            Start if phase == Phase::Armed => {
+                (self.phase, self.started) = (Phase::Running, now);
+                self.held = order.deadman.then_some(now);
+            }
+            Start if self.held.is_none() => {}
+            Start if order.deadman => self.held = Some(now),
+            Start => self.end(Phase::SafeStop, Lapse::Deadman),
+        }
+        None
+    }
+
+    /// Number of the last command believed. \[-\]
+    pub(super) fn last_seq(&self) -> Option<i64> {
+        self.last_seq
+    }
+}
