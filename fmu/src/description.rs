@@ -17,6 +17,21 @@ pub struct Terminal {
     pub members: Vec<(&'static str, String)>,
 }
 
+impl Terminal {
+    /// What controller and vehicle connect by: `command` and `state`, each described from this side.
+    #[must_use]
+    pub fn pair(command: &'static str, state: &'static str) -> Vec<Self> {
+        let of = |group: &str, names: &[&'static str]| {
+            names.iter().map(|&name| (name, format!("{group}.{name}"))).collect()
+        };
+        let measured = ["v_x", "v_y", "omega_z", "e_psi", "s", "e_y", "x", "y", "psi"];
+        vec![
+            Self { name: "command", description: command, members: of("cmd", &["a", "delta"]) },
+            Self { name: "state", description: state, members: of("vehicle", &measured) },
+        ]
+    }
+}
+
 /// Which version of the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {

@@ -14,9 +14,7 @@ out=target/lcm/closed_loop
 types=target/lcm/types/pypi
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     cargo build --quiet --release -p vehicle_bridge --bin lmpc
-    site=$(target/lcm/venv/bin/python -c 'import lcm, os; print(os.path.dirname(os.path.dirname(lcm.__file__)))')
-    mkdir -p "$types"
-    "$site/bin/lcm-gen" --python --ppath "$types" lcm_types/lcm/*.lcm
+    tests/interop/python_types.sh "$types"
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 600 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

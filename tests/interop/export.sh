@@ -3,14 +3,13 @@
 # their own; `lmpc export` of both logs holds what Python decodes from them, by the official `mcap`.
 set -eu
 cd "$(dirname "$0")/../.."
+tests/interop/needs.sh lcm-logger target/lcm/venv/bin/python
 out=target/lcm/export
 types=target/lcm/types/pypi
 python=target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     cargo build --quiet --release -p vehicle_bridge --bin lmpc
-    site=$("$python" -c 'import lcm, os; print(os.path.dirname(os.path.dirname(lcm.__file__)))')
-    mkdir -p "$types"
-    "$site/bin/lcm-gen" --python --ppath "$types" lcm_types/lcm/*.lcm
+    tests/interop/python_types.sh "$types"
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

@@ -59,8 +59,6 @@ fn description() -> &'static (Description, Slots) {
     CELL.get_or_init(|| {
         let mut table = Table::new();
         let slots = Slots::new(&mut table);
-        let member = |name: &'static str| (name, format!("vehicle.{name}"));
-        let state = ["v_x", "v_y", "omega_z", "e_psi", "s", "e_y", "x", "y", "psi"];
         let description = Description {
             model_name: "LMPC controller",
             model_identifier: "lmpc_controller",
@@ -69,21 +67,7 @@ fn description() -> &'static (Description, Slots) {
             stop_time: 60.0,
             step_size: 0.1,
             table,
-            terminals: vec![
-                Terminal {
-                    name: "command",
-                    description: "To the car's actuators",
-                    members: vec![
-                        ("a", "cmd.a".to_owned()),
-                        ("delta", "cmd.delta".to_owned()),
-                    ],
-                },
-                Terminal {
-                    name: "state",
-                    description: "From the car's sensors",
-                    members: state.into_iter().map(member).collect(),
-                },
-            ],
+            terminals: Terminal::pair("To the car's actuators", "From the car's sensors"),
             resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/controller.html"),
             icon: include_bytes!("../../doc/controller.png"),

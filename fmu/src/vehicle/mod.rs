@@ -42,8 +42,6 @@ fn description() -> &'static (Description, Slots) {
     CELL.get_or_init(|| {
         let mut table = Table::new();
         let slots = Slots::new(&mut table);
-        let member = |name: &'static str| (name, format!("vehicle.{name}"));
-        let state = ["v_x", "v_y", "omega_z", "e_psi", "s", "e_y", "x", "y", "psi"];
         let description = Description {
             model_name: "LMPC vehicle",
             model_identifier: "lmpc_vehicle",
@@ -52,18 +50,7 @@ fn description() -> &'static (Description, Slots) {
             stop_time: 60.0,
             step_size: 0.1,
             table,
-            terminals: vec![
-                Terminal {
-                    name: "command",
-                    description: "What the controller commands",
-                    members: vec![("a", "cmd.a".to_owned()), ("delta", "cmd.delta".to_owned())],
-                },
-                Terminal {
-                    name: "state",
-                    description: "What the sensors measure",
-                    members: state.into_iter().map(member).collect(),
-                },
-            ],
+            terminals: Terminal::pair("What the controller commands", "What the sensors measure"),
             resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/vehicle.html"),
             icon: include_bytes!("../../doc/vehicle.png"),
