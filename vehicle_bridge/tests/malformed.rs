@@ -23,7 +23,7 @@ fn honest(network: &dyn Transport, inbox: &Inbox, number: u32, after: &str) {
 #[test]
 fn malformed_datagrams_are_counted_and_do_no_harm() {
     isolated("malformed_datagrams_are_counted_and_do_no_harm", MULTICAST, URL, || {
-        let cases = cases();
+        let cases = cases("CMD");
         assert!(cases.len() >= 24);
         let network = transport::open(URL, None).unwrap();
         let inbox = Inbox::queue(100);

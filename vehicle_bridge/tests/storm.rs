@@ -58,7 +58,7 @@ fn drive(network: &dyn Transport) -> Answers {
 /// every case of the malformed datagrams, over and over. Returns messages sent.
 fn storm(stop: &AtomicBool) -> u64 {
     let network = transport::open(URL, None).unwrap();
-    let (noise, cases) = (noise(), cases());
+    let (noise, cases) = (noise(), cases("CMD"));
     let mut rng = Pcg64::seed_from_u64(2);
     let mut sealed = Vec::new();
     VehicleState::default().seal_into(&mut sealed).unwrap();

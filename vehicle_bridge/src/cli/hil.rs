@@ -59,6 +59,26 @@ pub struct HilArgs {
 pub enum HilAction {
     /// Run a bench: drive, inject faults, judge
     Run(HilRunArgs),
+    /// Command a car along the centre line, as the bench does, until Ctrl-C
+    #[command(hide = true)]
+    Drive(HilDriveArgs),
+}
+
+/// Options of `lmpc hil drive`: the bench's source of commands as a program that can be killed.
+#[derive(Debug, Args)]
+pub struct HilDriveArgs {
+    /// The network.
+    #[command(flatten)]
+    pub network: NetworkArgs,
+    /// Car: built-in name or TOML file
+    #[arg(long, default_value = "barc", value_name = "CAR")]
+    pub car: String,
+    /// Track: built-in name or file
+    #[arg(long, default_value = "l", value_name = "TRACK")]
+    pub track: String,
+    /// Speed
+    #[arg(long, default_value_t = 2.0, value_name = "MPS")]
+    pub speed: f64,
 }
 
 /// Options of `lmpc hil run`.

@@ -8,10 +8,11 @@ use anyhow::{Context as _, Result, bail};
 use comfy_table::{Table, presets};
 
 use super::Outcome;
+use super::network::on_signal;
 use crate::check::check_file;
 use crate::cli::{HilAction, HilArgs, HilRunArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
-use crate::hil::{Bench, Verdict, execute, verdict};
+use crate::hil::{Bench, Verdict, drive, execute, verdict};
 
 /// Sets up a network of its own and runs the rest of the command line there.
 const ISOLATE: &str = "ip link set lo up && ip link set lo multicast on && \
@@ -20,7 +21,14 @@ const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "mea
 
 /// Runs a bench.
 pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
-    let HilAction::Run(args) = &args.action;
+    let args = match &args.action {
+        HilAction::Run(args) => args,
+        HilAction::Drive(args) => {
+            let stop = on_signal()?;
+            drive(&args.network.url(), &args.car, &args.track, args.speed, &stop)?;
+            return Ok(Outcome::Done);
+        }
+    };
     if !args.isolated {
         return Err(isolate());
     }
@@ -32,6 +40,9 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
     let jobs = args.jobs as usize;
     let verdicts = execute(&bench, std::env::current_exe()?, jobs, |scenario, run| {
         count += 1;
+        for disturbed in &run.disturbed {
+            talk.say(&format!("{}, seed {}, repeated: {disturbed}", scenario.name, run.seed));
+        }
         if !run.broken.is_empty() {
             let broken = run.broken.join("; ");
             talk.say(&format!("{}, seed {}: {}", scenario.name, run.seed, paint(BAD, &broken)));
@@ -85,6 +96,12 @@ fn load(args: &HilRunArgs) -> Result<Bench> {
     if let Some(repeats) = args.repeats {
         bench.repeats = repeats;
         bench.scenarios.iter_mut().for_each(|scenario| scenario.repeats = None);
+    }
+    for name in [&mut bench.car, &mut bench.track] {
+        let beside = args.bench.with_file_name(&*name);
+        if beside.is_file() {
+            *name = std::path::absolute(beside)?.display().to_string();
+        }
     }
     bench.seed = args.seed.unwrap_or(bench.seed);
     if !args.scenarios.is_empty() {

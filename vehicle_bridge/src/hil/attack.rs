@@ -3,11 +3,13 @@
 use lcm_types::{ActuationCommand, Checked as _, Header, channels};
 use rand::RngExt as _;
 
+use super::fault::{Action, Token};
+use super::proxy::Active;
 use super::random::{self, Random};
 use super::wire::{fragment, parts};
 
 /// Boot id of the second controller.
-pub(super) const STRANGER: i64 = 0x00c0_ffee;
+const STRANGER: i64 = 0x00c0_ffee;
 
 /// Junk of one of eight kinds, some of it made from a good datagram.
 pub(super) fn junk(good: &[u8], random: &mut Random) -> Vec<u8> {
@@ -47,12 +49,76 @@ pub(super) fn incomplete(sequence: u32, size: u32, random: &mut Random) -> Vec<u
     fragment(sequence, (size, 0), (0, 2), &content)
 }
 
-/// A well-formed command of a second controller, without a grant.
-pub(super) fn stranger(seq: i64, mono_ns: i64) -> Vec<u8> {
+/// Sends what a fault sends by itself and is due; how many messages that were. `last` is the
+/// source's last command, a datagram.
+pub(super) fn send(
+    active: &mut Active,
+    last: &[u8],
+    time: i64,
+    mut out: impl FnMut(&str, &[u8]),
+) -> u32 {
+    let genuine = || parts(last).map_or(&[][..], |(_, message)| message);
+    match active.fault.action {
+        Action::Storm { rate_hz, bytes } => {
+            let channel = active.fault.channel.clone().unwrap_or_else(|| "STORM".to_owned());
+            let count = due(&mut active.next_ns, time, rate_hz);
+            let content = random::bytes(&mut active.random, bytes);
+            (0..count).for_each(|_| out(&channel, &content));
+            count
+        }
+        Action::SecondController { rate_hz, token } => {
+            let count = due(&mut active.next_ns, time, rate_hz);
+            for _ in 0..count {
+                let token = match token {
+                    Token::None => 0,
+                    Token::Guessed => active.random.random(),
+                    Token::Stolen => {
+                        ActuationCommand::open(genuine()).map_or(0, |command| command.arm_token)
+                    }
+                };
+                let seq = i64::from(active.count);
+                active.count += 1;
+                out(channels::COMMAND, &stranger(STRANGER, seq, token, time));
+            }
+            count
+        }
+        Action::CommandStorm { rate_hz, senders } => {
+            let count = due(&mut active.next_ns, time, rate_hz);
+            for _ in 0..count {
+                let number = active.count;
+                active.count += 1;
+                match number.checked_rem(senders) {
+                    None => out(channels::COMMAND, genuine()),
+                    Some(sender) => {
+                        let boot_id = STRANGER + i64::from(sender);
+                        let seq = i64::from(number / senders);
+                        out(channels::COMMAND, &stranger(boot_id, seq, 0, time));
+                    }
+                }
+            }
+            count
+        }
+        _ => 0,
+    }
+}
+
+/// How many messages of this rate are due; never a burst of more than a hundred.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rates are bounded")]
+fn due(next_ns: &mut i64, time: i64, rate_hz: f64) -> u32 {
+    let interval = (1e9 / rate_hz).max(1.0) as i64;
+    *next_ns = if *next_ns == 0 { time } else { (*next_ns).max(time - 100 * interval) };
+    let count = ((time - *next_ns) / interval).clamp(0, 100) as u32;
+    *next_ns += i64::from(count) * interval;
+    count
+}
+
+/// A well-formed command of another start than the source's.
+fn stranger(boot_id: i64, seq: i64, arm_token: i64, mono_ns: i64) -> Vec<u8> {
     let sender = "second@bench".to_owned();
-    let h = Header { utime: mono_ns / 1000, mono_ns, seq, boot_id: STRANGER, sender };
+    let h = Header { utime: mono_ns / 1000, mono_ns, seq, boot_id, sender };
     let command = ActuationCommand {
         h,
+        arm_token,
         valid_for_us: 100_000,
         enable: true,
         mode: ActuationCommand::MODE_DRIVE,

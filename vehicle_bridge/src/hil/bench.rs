@@ -13,10 +13,10 @@ use super::measure::{Expectation, Name};
 pub struct Bench {
     /// Heading of the verdict.
     pub title: String,
-    /// Car: a name or a file.
+    /// Car: a name, or a file beside the bench file or from here.
     #[serde(default = "small_car")]
     pub car: String,
-    /// Track: a name or a file.
+    /// Track: likewise.
     #[serde(default = "short_track")]
     pub track: String,
     /// Runs of each scenario, each with a seed of its own, unless the scenario says otherwise. \[-\]
@@ -28,31 +28,12 @@ pub struct Bench {
     /// Whether the car side wants to be armed and started by the operator first.
     #[serde(default)]
     pub arming: bool,
-    /// What no run may ever send to the actuators.
-    pub output: OutputLimits,
     /// Processes a scenario may start.
     #[serde(default, rename = "process")]
     pub processes: Vec<Process>,
     /// Scenarios.
     #[serde(rename = "scenario")]
     pub scenarios: Vec<Scenario>,
-}
-
-/// Limits of everything on `CAR/ACT`, in every run.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OutputLimits {
-    /// Hardest braking. \[m/s^2\]
-    pub accel_min_mps2: f64,
-    /// Hardest driving. \[m/s^2\]
-    pub accel_max_mps2: f64,
-    /// Steering angle to either side. \[rad\]
-    pub steer_rad: f64,
-    /// Fastest change of the steering angle from one report to the next. \[rad/s\]
-    pub steer_rate_radps: f64,
-    /// Time between two reports. \[s\]
-    #[serde(default = "tick")]
-    pub tick_s: f64,
 }
 
 /// A program on the network.
@@ -101,6 +82,12 @@ pub struct Scenario {
     /// What the program has to say, somewhere in what it prints.
     #[serde(default)]
     pub says: Vec<String>,
+    /// Whether no other run goes on at the same time: for faults that take the whole computer.
+    #[serde(default)]
+    pub alone: bool,
+    /// Whether the operator holds a dead man's switch.
+    #[serde(default)]
+    pub deadman: bool,
     /// Processes to start, by name, in this order.
     #[serde(default)]
     pub processes: Vec<String>,
@@ -110,8 +97,8 @@ pub struct Scenario {
     /// Speed the light source drives at. \[m/s\]
     #[serde(default = "two")]
     pub speed_mps: f64,
-    /// When the faults begin to count.
-    #[serde(default)]
+    /// When the faults begin to count; unless given, at 1 m/s after 0.8 s.
+    #[serde(default = "rolling")]
     pub when: When,
     /// How long is observed from there on. \[s\]
     #[serde(default = "observe")]
@@ -213,16 +200,6 @@ impl Bench {
                     .map(|p| format!("{at}: {p}")),
             );
         }
-        let o = &self.output;
-        if !(o.accel_min_mps2 < 0.0
-            && o.accel_max_mps2 > 0.0
-            && o.steer_rad > 0.0
-            && o.steer_rate_radps > 0.0)
-        {
-            problems.push(
-                "output: expected accel_min_mps2 below 0 and the other limits above 0".to_owned(),
-            );
-        }
         problems
     }
 
@@ -247,16 +224,16 @@ fn short_track() -> String {
     "l".to_owned()
 }
 
-fn tick() -> f64 {
-    0.01
-}
-
 fn once() -> u32 {
     1
 }
 
 fn two() -> f64 {
     2.0
+}
+
+fn rolling() -> When {
+    When { driving_s: 0.8, speed_mps: 1.0, ..When::default() }
 }
 
 fn observe() -> f64 {

@@ -6,22 +6,21 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use lcm_types::{
-    ActuationCommand, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
-    VehicleState, channels,
+    ActuationCommand, Checked as _, Heartbeat, Message as _, OperatorAck, VehicleState, channels,
 };
 use vehicle_model::{CarParams, Track};
 
-use super::fault::{Action, Fault, Order};
+use super::fault::{Action, Fault};
+use super::operator::{Duty, Operator, Switch};
 use super::proxy::Start;
 use crate::network::outlet::{Identity, Outlet};
 use crate::network::realtime;
-use crate::transport::{Filter, Inbox, Transport, now};
+use crate::transport::{Filter, Inbox, Received, Transport, now};
 use crate::worker::Worker;
 
 const PULSE: Duration = Duration::from_millis(100);
-/// Orders that are not acknowledged are said again.
-const REPEAT: Duration = Duration::from_millis(10);
-const ORDER_REPEAT: Duration = Duration::from_millis(100);
+/// A round of the operator.
+const ROUND: Duration = Duration::from_millis(10);
 /// A command is dead after the bridge's timeout. \[us\]
 const VALID_US: i32 = 100_000;
 /// Rise time of the speed loop. \[s\]
@@ -52,6 +51,8 @@ pub(super) struct Task {
     pub(super) commands: bool,
     /// Whether the car side is to be armed first.
     pub(super) arming: bool,
+    /// Whether the operator holds a dead man's switch.
+    pub(super) deadman: bool,
     pub(super) faults: Vec<Fault>,
 }
 
@@ -73,14 +74,10 @@ impl Driver {
             inbox,
             network: Arc::clone(network),
             out: Outlets::new(network),
-            operator: Outlet::new(network, &Identity::new("operator"), channels::OPERATOR),
+            operator: Operator::new(network),
             task,
             start: Arc::clone(start),
             progress: Arc::clone(&progress),
-            token: 0,
-            running: false,
-            request: 0,
-            acked: 0,
             restarted: false,
         };
         let worker = Worker::start("hil-driver", move |stop| {
@@ -118,62 +115,77 @@ struct Source {
     inbox: Inbox,
     network: Arc<dyn Transport>,
     out: Outlets,
-    operator: Outlet,
+    operator: Operator,
     task: Task,
     start: Start,
     progress: Arc<Mutex<Progress>>,
-    token: i64,
-    running: bool,
-    request: i64,
-    acked: i64,
     restarted: bool,
 }
 
 impl Source {
     fn run(&mut self, stop: &AtomicBool) {
-        let (mut pulse, mut order) = (Instant::now(), Instant::now());
+        let (mut pulse, mut round) = (Instant::now(), Instant::now());
         while !stop.load(Ordering::Relaxed) {
-            let nap = Instant::now() + REPEAT;
-            while let Some(received) = self.inbox.wait_until(nap) {
-                match received.channel.as_str() {
-                    channels::STATE => {
-                        if let Ok(state) = VehicleState::open(&received.payload) {
-                            self.state(&state);
-                        }
-                    }
-                    channels::OPERATOR_ACK => {
-                        if let Ok(ack) = OperatorAck::decode(&received.payload) {
-                            self.acked = self.acked.max(ack.request_id);
-                            self.grant(ack.arm_token, ack.state);
-                        }
-                    }
-                    _ => {
-                        if let Ok(beat) = Heartbeat::decode(&received.payload) {
-                            self.grant(beat.arm_token, beat.state);
-                        }
-                    }
-                }
+            round = (round + ROUND).max(Instant::now());
+            while let Some(received) = self.inbox.wait_until(round) {
+                self.hear(&received);
             }
             if Instant::now() >= pulse {
                 pulse = Instant::now() + PULSE;
                 self.beat();
             }
-            if self.stopping() {
-                self.faulty_orders();
-            } else if self.task.arming && !self.running && Instant::now() >= order {
-                order = Instant::now() + ORDER_REPEAT;
-                let command =
-                    if self.token == 0 { OperatorCommand::ARM } else { OperatorCommand::START };
-                self.order(command);
+            self.operator.round(self.duty(), self.switch());
+        }
+    }
+
+    fn hear(&mut self, received: &Received) {
+        match received.channel.as_str() {
+            channels::STATE => {
+                if let Ok(state) = VehicleState::open(&received.payload) {
+                    self.state(&state);
+                }
+            }
+            channels::OPERATOR_ACK => {
+                if let Ok(ack) = OperatorAck::decode(&received.payload) {
+                    self.operator.answer(&ack);
+                    self.grant(ack.arm_token, ack.state);
+                }
+            }
+            _ => {
+                if let Ok(beat) = Heartbeat::decode(&received.payload) {
+                    self.grant(beat.arm_token, beat.state);
+                }
             }
         }
     }
 
     fn grant(&mut self, token: i64, state: i8) {
-        // After the faults begin nobody arms again by itself.
-        if self.start.load(Ordering::Acquire) == i64::MAX {
-            self.token = token;
-            self.running = state == Heartbeat::RUNNING;
+        // After the faults begin nobody arms again by itself, and the grant of before is echoed.
+        if !self.stopping() {
+            self.operator.grant(token, state);
+        }
+    }
+
+    /// What the operator does now.
+    fn duty(&self) -> Duty {
+        let order = self.task.faults.iter().find_map(|fault| match fault.action {
+            Action::Order { order } if self.acts(|a| *a == fault.action) => Some(order),
+            _ => None,
+        });
+        match order {
+            Some(order) => Duty::Give(order),
+            None if self.task.arming && !self.stopping() => Duty::Drive,
+            None => Duty::Watch,
+        }
+    }
+
+    fn switch(&self) -> Switch {
+        if !self.task.deadman || self.acts(|a| matches!(a, Action::DeadmanSilent {})) {
+            Switch::Silent
+        } else if self.acts(|a| matches!(a, Action::DeadmanReleased {})) {
+            Switch::Released
+        } else {
+            Switch::Held
         }
     }
 
@@ -192,37 +204,6 @@ impl Source {
             })
     }
 
-    fn faulty_orders(&mut self) {
-        for (order, command) in
-            [(Order::Estop, OperatorCommand::ESTOP), (Order::Stop, OperatorCommand::STOP)]
-        {
-            let asked = self.acts(|a| matches!(a, Action::Order { order: o } if *o == order));
-            let first = self.request;
-            if asked
-                && self.acked < i64::MAX
-                && (self.acked == 0 || self.acked < first || first == 0)
-            {
-                for _ in 0..3 {
-                    self.order(command);
-                }
-            }
-        }
-    }
-
-    fn order(&mut self, command: i8) {
-        self.request += 1;
-        let message = OperatorCommand {
-            h: self.operator.header(),
-            command,
-            request_id: self.request,
-            arm_token: self.token,
-            reason: "bench".to_owned(),
-            ..OperatorCommand::default()
-        };
-        // What the network refuses is lost, as anything may be.
-        let _ = self.operator.send_sealed(&message);
-    }
-
     fn beat(&mut self) {
         if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {
             return;
@@ -230,7 +211,7 @@ impl Source {
         let message = Heartbeat {
             h: self.out.pulse.header(),
             state: Heartbeat::RUNNING,
-            arm_token: self.token,
+            arm_token: self.operator.token,
             ..Heartbeat::default()
         };
         let _ = self.out.pulse.send(&message);
@@ -246,7 +227,7 @@ impl Source {
             let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
             (progress.speed, progress.s, progress.lap) =
                 (state.vx, state.frenet.s, state.frenet.lap);
-            if progress.driving_ns.is_none() && (!self.task.arming || self.running) {
+            if progress.driving_ns.is_none() && (!self.task.arming || self.operator.running) {
                 progress.driving_ns = Some(now().mono_ns);
             }
         }
@@ -255,7 +236,6 @@ impl Source {
         }
         if !self.restarted && self.acts(|a| matches!(a, Action::SourceRestart {})) {
             self.restarted = true;
-            self.token = 0;
             self.out = Outlets::new(&self.network);
         }
         let (accel, steer) = self.track(state);
@@ -267,7 +247,7 @@ impl Source {
             state_seq: state.h.seq,
             state_mono_ns: state.meas_mono_ns,
             valid_for_us: VALID_US,
-            arm_token: self.token,
+            arm_token: self.operator.token,
             enable: true,
             mode: ActuationCommand::MODE_DRIVE,
             accel,

@@ -74,10 +74,23 @@ pub enum Action {
         /// Size. \[B\]
         bytes: usize,
     },
-    /// Another sender of well-formed commands with numbers and checksums of its own.
+    /// With each message comes one of the datagrams no sender makes, in turn.
+    Malformed {},
+    /// Another sender of well-formed commands with a start, numbers and checksums of its own.
     SecondController {
         /// Rate. \[1/s\]
         rate_hz: f64,
+        /// The grant it claims.
+        #[serde(default)]
+        token: Token,
+    },
+    /// Well-formed commands in a storm.
+    CommandStorm {
+        /// Rate. \[1/s\]
+        rate_hz: f64,
+        /// Senders without a grant that take turns; 0: the source's own last command again.
+        #[serde(default)]
+        senders: u32,
     },
     /// Contents stay as they were while stamps and numbers go on.
     Freeze {},
@@ -138,6 +151,10 @@ pub enum Action {
         /// Which.
         process: String,
     },
+    /// The dead man's switch is let go.
+    DeadmanReleased {},
+    /// Who holds the dead man's switch is not heard any more.
+    DeadmanSilent {},
     /// The operator gives an order.
     Order {
         /// Which.
@@ -153,6 +170,21 @@ pub enum Order {
     Estop,
     /// Stop.
     Stop,
+    /// Start, by the grant of before, again and again.
+    Start,
+}
+
+/// The grant a second controller claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Token {
+    /// None.
+    #[default]
+    None,
+    /// A number drawn for each command.
+    Guessed,
+    /// The source's, as read from its commands.
+    Stolen,
 }
 
 /// Fields of states and commands.
@@ -177,6 +209,16 @@ pub enum Field {
     S,
 }
 
+impl Action {
+    /// Whether it sends though nothing comes.
+    pub(super) fn is_storm(&self) -> bool {
+        matches!(
+            self,
+            Self::Storm { .. } | Self::SecondController { .. } | Self::CommandStorm { .. }
+        )
+    }
+}
+
 impl Fault {
     /// What is out of range or names nothing.
     pub(super) fn problems(&self, processes: &[String]) -> Vec<String> {
@@ -193,8 +235,9 @@ impl Fault {
         {
             problems.push(format!("fault: process `{process}` is not started by this scenario"));
         }
-        if let Action::Storm { rate_hz, .. } | Action::SecondController { rate_hz, .. } =
-            self.action
+        if let Action::Storm { rate_hz, .. }
+        | Action::SecondController { rate_hz, .. }
+        | Action::CommandStorm { rate_hz, .. } = self.action
             && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
         {
             problems.push(format!("fault: rate_hz is {rate_hz}, expected above 0, at most 100000"));

@@ -16,7 +16,8 @@ pub enum Measure {
     EstopMs,
     /// From the last valid command to the first report that comes from the fallback plan.
     LossToPlanMs,
-    /// Reports beyond the bench's limits, or with a number that is none.
+    /// Reports beyond the car's range or rates, with a number that is none, or that drive after a
+    /// stop without a new grant.
     UnsafeOutputs,
     /// Reports that drive by a command that was altered, too old, or not the source's.
     BadApplied,
@@ -32,6 +33,16 @@ pub enum Measure {
     Crashes,
     /// Growth of the car side's memory. \[MB\]
     MemoryMb,
+    /// Reports that drive after the first gap of more than 0.2 s between two of them.
+    DrivesAfterGap,
+    /// Rate at which storms and second controllers really sent. \[1/s\]
+    StormHz,
+    /// Emergency stops that were lost before the first that was not.
+    EstopsLost,
+    /// Life signs that name a wrong fingerprint.
+    FingerprintsNamed,
+    /// Orders that the car side refused.
+    OrdersRefused,
     /// Longest gap between two reports of the car side. \[ms\]
     LongestGapMs,
     /// Distance driven from the fault to standstill. \[m\]
@@ -78,6 +89,19 @@ impl Values {
 }
 
 impl Measure {
+    /// Whether a computer that stood still is no excuse.
+    pub(super) fn is_strict(self) -> bool {
+        matches!(
+            self,
+            Self::UnsafeOutputs
+                | Self::BadApplied
+                | Self::Crashes
+                | Self::DrivesAfterGap
+                | Self::MemoryMb
+                | Self::OffTrack
+        )
+    }
+
     /// The name in bench files.
     #[must_use]
     pub fn name(self) -> String {

@@ -8,18 +8,25 @@ mod attack;
 pub mod bench;
 mod driver;
 pub mod fault;
+pub mod malformed;
 pub mod measure;
 mod observe;
+mod operator;
+mod output;
+mod passed;
 mod process;
 mod program;
 mod proxy;
 mod random;
 mod run;
+mod stall;
 pub mod verdict;
 mod wire;
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use anyhow::Result;
 
@@ -28,11 +35,15 @@ pub use observe::Point;
 pub use run::Outcome;
 pub use verdict::Verdict;
 
+use driver::{Driver, Task};
+use stall::Watch;
+
 use crate::parallel::parallel;
 use crate::race::load;
 
 /// First of the ports; each job takes two.
 const PORTS: u16 = 17_000;
+const LOOK: Duration = Duration::from_millis(20);
 
 /// Runs every scenario of a bench, `jobs` runs at a time; `done` sees each run.
 ///
@@ -46,33 +57,56 @@ pub fn execute<'b>(
 ) -> Result<Vec<Verdict<'b>>> {
     let (car, track) = (load::car(&bench.car)?, load::track(&bench.track)?);
     let place = run::Place { bench, car, track: Arc::clone(&track), lmpc };
-    let mut work = Vec::new();
-    for (index, scenario) in bench.scenarios.iter().enumerate() {
-        let repeats = u64::from(bench.repeats(scenario));
-        work.extend((0..repeats).map(|i| (index, bench.seed + i)));
-    }
+    let watch = Watch::start()?;
     let free = Mutex::new((0..jobs).filter_map(|i| u16::try_from(2 * i).ok()).collect::<Vec<_>>());
     let lock = || free.lock().unwrap_or_else(PoisonError::into_inner);
     let mut verdicts: Vec<Verdict<'b>> =
         bench.scenarios.iter().map(|scenario| Verdict { scenario, runs: Vec::new() }).collect();
     let one = |&(index, seed): &(usize, u64)| {
         let offset = lock().pop().unwrap_or_default();
-        let outcome = run::run(&place, &bench.scenarios[index], seed, PORTS + offset);
+        let run = || run::run(&place, &bench.scenarios[index], seed, PORTS + offset);
+        let outcome = watch.undisturbed(run);
         lock().push(offset);
         outcome
     };
-    parallel(&work, jobs, one, |i, mut outcome| {
-        let index = work[i].0;
-        done(&bench.scenarios[index], &outcome)?;
-        // Pictures of all runs would fill the memory: of the passed ones the first is enough.
-        if outcome.broken.is_empty() && verdicts[index].runs.iter().any(|r| !r.points.is_empty()) {
-            outcome.points.clear();
-        }
-        verdicts[index].runs.push(outcome);
-        Ok::<(), anyhow::Error>(())
-    })?;
+    for alone in [false, true] {
+        let scenarios = bench.scenarios.iter().enumerate().filter(|(_, s)| s.alone == alone);
+        let seeds = |scenario| bench.seed..bench.seed + u64::from(bench.repeats(scenario));
+        let mut work: Vec<(usize, u64)> =
+            scenarios.flat_map(|(index, s)| seeds(s).map(move |seed| (index, seed))).collect();
+        // Scenarios in turn: heavy ones do not all run at the same time.
+        work.sort_by_key(|(index, seed)| (*seed, *index));
+        let jobs = if alone { 1 } else { jobs };
+        parallel(&work, jobs, one, |i, mut outcome| {
+            let index = work[i].0;
+            done(&bench.scenarios[index], &outcome)?;
+            // Pictures of all runs would fill the memory: of the passed ones the first is enough.
+            let pictured = verdicts[index].runs.iter().any(|r| !r.points.is_empty());
+            if outcome.broken.is_empty() && pictured {
+                outcome.points.clear();
+            }
+            verdicts[index].runs.push(outcome);
+            Ok::<(), anyhow::Error>(())
+        })?;
+    }
     for verdict in &mut verdicts {
         verdict.runs.sort_by_key(|run| run.seed);
     }
     Ok(verdicts)
+}
+
+/// Commands a car like the bench does, as a program of its own, until `stop` is set.
+///
+/// # Errors
+/// If the network cannot be joined, or car or track cannot be loaded.
+pub fn drive(url: &str, car: &str, track: &str, speed: f64, stop: &AtomicBool) -> Result<()> {
+    let network = run::join(url)?;
+    let (car, track) = (load::car(car)?, load::track(track)?);
+    let (commands, arming, deadman, faults) = (true, false, false, Vec::new());
+    let task = Task { car, track, speed, commands, arming, deadman, faults };
+    let _driver = Driver::start(&network, task, &Arc::new(AtomicI64::new(i64::MAX)))?;
+    while !stop.load(Ordering::Relaxed) {
+        std::thread::sleep(LOOK);
+    }
+    Ok(())
 }

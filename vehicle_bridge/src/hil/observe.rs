@@ -1,19 +1,19 @@
 //! What the wire on the car's side says of a run: measured afterwards, from the stamps in the
 //! messages, so that a late observer does not count.
 
-use lcm_types::{ActuationReport, Checked as _, Heartbeat, Message as _, VehicleState, channels};
-use vehicle_model::Track;
+use lcm_types::{
+    ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, VehicleState, channels,
+};
+use vehicle_model::{Limiter, Track};
 
-use super::bench::OutputLimits;
 use super::measure::{Measure, Values};
-use super::proxy::Passed;
+use super::output::{STOP, drives, unsafe_reports};
+use super::passed::Passed;
 use crate::transport::{Inbox, Received};
 
-/// Rounding of what is compared with a limit. \[-\]
-const ROUNDING: f64 = 1e-6;
-const COMMAND: i8 = 1;
 const PLAN: i8 = 2;
-const STOP: i8 = 3;
+/// The car side stood still if two reports are this far apart. \[ms\]
+const GAP_MS: f64 = 200.0;
 
 /// A point of a run's picture.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -36,6 +36,15 @@ pub(super) struct Heard {
     reports: Vec<ActuationReport>,
     states: Vec<VehicleState>,
     beats: Vec<Heartbeat>,
+    acks: Vec<OperatorAck>,
+}
+
+/// What a run is measured by.
+pub(super) struct Rule<'a> {
+    pub(super) limiter: Limiter,
+    pub(super) track: &'a Track,
+    /// Whether only a grant lets the car drive.
+    pub(super) latching: bool,
 }
 
 impl Heard {
@@ -46,6 +55,7 @@ impl Heard {
             match channel.as_str() {
                 channels::ACTUATION => heard.reports.extend(ActuationReport::open(&payload).ok()),
                 channels::STATE => heard.states.extend(VehicleState::open(&payload).ok()),
+                channels::OPERATOR_ACK => heard.acks.extend(OperatorAck::decode(&payload).ok()),
                 "HB/bridge" => heard.beats.extend(Heartbeat::decode(&payload).ok()),
                 _ => {}
             }
@@ -57,13 +67,7 @@ impl Heard {
     }
 
     /// Everything that can be measured, with the faults beginning at `start_ns`.
-    pub(super) fn values(
-        &self,
-        start_ns: i64,
-        passed: &Passed,
-        limits: &OutputLimits,
-        track: &Track,
-    ) -> Values {
+    pub(super) fn values(&self, start_ns: i64, passed: &Passed, rule: &Rule<'_>) -> Values {
         let mut values = Values::default();
         let after: Vec<_> = self.reports.iter().filter(|r| r.h.mono_ns >= start_ns).collect();
         let ms = |from: i64, to: i64| (to - from) as f64 * 1e-6;
@@ -72,8 +76,9 @@ impl Heard {
         };
         let stops = |r: &ActuationReport| r.source == STOP || !r.enabled;
         let stop = first(&stops, start_ns);
+        let genuine = passed.genuine();
         let last_command =
-            |before: i64| passed.commands.iter().rev().find(|c| c.2 <= before).map(|c| c.2);
+            |before: i64| genuine.iter().rev().find(|c| c.time_ns <= before).map(|c| c.time_ns);
         if let Some(stop) = stop {
             values.insert(Measure::FaultToStopMs, ms(start_ns, stop));
             if let Some(last) = last_command(stop) {
@@ -88,23 +93,31 @@ impl Heard {
             && let Some(obeyed) = first(&stops, estop)
         {
             values.insert(Measure::EstopMs, ms(estop, obeyed));
+            values.insert(Measure::EstopsLost, f64::from(passed.estops_lost));
         }
+        if let Some(rate) = passed.storm_hz() {
+            values.insert(Measure::StormHz, rate);
+        }
+        let refused = |ack: &&OperatorAck| ack.h.mono_ns >= start_ns && !ack.accepted;
+        values.insert(Measure::OrdersRefused, self.acks.iter().filter(refused).count() as f64);
         let count =
             |is: &dyn Fn(&ActuationReport) -> bool| after.iter().filter(|r| is(r)).count() as f64;
         values.insert(Measure::PlanTicks, count(&|r| r.source == PLAN));
         let known = |r: &ActuationReport| {
-            passed.commands.iter().any(|c| (c.0, c.1) == (r.cmd_boot_id, r.cmd_seq))
+            genuine.iter().any(|c| (c.boot_id, c.seq) == (r.cmd_boot_id, r.cmd_seq))
         };
-        values.insert(Measure::BadApplied, count(&|r| r.source == COMMAND && !known(r)));
-        let all = self.reports.windows(2);
-        let beyond = all.filter(|pair| is_unsafe(&pair[0], &pair[1], limits)).count();
+        values.insert(Measure::BadApplied, count(&|r| drives(r) && !known(r)));
+        let beyond = unsafe_reports(&self.reports, &self.acks, &rule.limiter, rule.latching);
         values.insert(Measure::UnsafeOutputs, beyond as f64);
-        let drives = |r: &ActuationReport| r.enabled && matches!(r.source, COMMAND | PLAN);
         let trips = after.windows(2).filter(|p| drives(p[0]) && stops(p[1])).count();
         values.insert(Measure::Trips, trips as f64);
-        let gaps = after.windows(2).map(|p| ms(p[0].h.mono_ns, p[1].h.mono_ns));
-        values.insert(Measure::LongestGapMs, gaps.fold(0.0, f64::max));
-        self.of_states(start_ns, track, &mut values);
+        let gap = |p: &[&ActuationReport]| ms(p[0].h.mono_ns, p[1].h.mono_ns);
+        values.insert(Measure::LongestGapMs, after.windows(2).map(gap).fold(0.0, f64::max));
+        if let Some(first) = after.windows(2).position(|p| gap(p) > GAP_MS) {
+            let driving = after[first + 1..].iter().filter(|r| drives(r)).count();
+            values.insert(Measure::DrivesAfterGap, driving as f64);
+        }
+        self.of_states(start_ns, rule.track, &mut values);
         self.of_beats(start_ns, &mut values);
         values
     }
@@ -124,11 +137,12 @@ impl Heard {
     }
 
     fn of_beats(&self, start_ns: i64, values: &mut Values) {
+        let named = self.beats.iter().filter(|beat| beat.detail.contains("wrong fingerprint"));
+        values.insert(Measure::FingerprintsNamed, named.count() as f64);
         let before = self.beats.iter().rev().find(|beat| beat.h.mono_ns <= start_ns);
         if let (Some(first), Some(last)) = (before, self.beats.last()) {
             let refused = |b: &Heartbeat| b.rx_bad + b.rx_old + b.rx_stale;
             values.insert(Measure::Refused, (refused(last) - refused(first)) as f64);
-            values.insert(Measure::MemoryMb, f64::from(last.rss_mb - first.rss_mb));
         }
     }
 
@@ -149,30 +163,19 @@ impl Heard {
     }
 }
 
-fn is_unsafe(before: &ActuationReport, after: &ActuationReport, limits: &OutputLimits) -> bool {
-    if !(after.accel.is_finite() && after.steer.is_finite()) {
-        return true;
-    }
-    let accel = limits.accel_min_mps2 - ROUNDING..=limits.accel_max_mps2 + ROUNDING;
-    let gap = ((after.h.seq - before.h.seq).max(1) as f64 * limits.tick_s).max(limits.tick_s);
-    let rate = (after.steer - before.steer).abs() / gap;
-    !accel.contains(&after.accel)
-        || after.steer.abs() > limits.steer_rad + ROUNDING
-        || rate > limits.steer_rate_radps * (1.0 + ROUNDING)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
 
     use super::*;
+    use crate::hil::passed::Passing;
     use lcm_types::Header;
 
     const MS: i64 = 1_000_000;
 
     fn report(tick: i64, source: i8, steer: f64) -> ActuationReport {
         let h = Header { mono_ns: tick * 10 * MS, seq: tick, ..Header::default() };
-        let (enabled, cmd_seq) = (source == COMMAND || source == PLAN, tick);
+        let (enabled, cmd_seq) = (matches!(source, 1 | 2), tick);
         ActuationReport { h, source, enabled, cmd_seq, steer, ..ActuationReport::default() }
     }
 
@@ -183,17 +186,23 @@ mod tests {
             sources.iter().zip(0..).map(|(source, tick)| report(tick, *source, 0.0)).collect();
         reports[6].steer = 0.2;
         let heard = Heard { reports, ..Heard::default() };
-        let passed =
-            Passed { commands: vec![(0, 0, -MS), (0, 1, 9 * MS), (0, 2, 19 * MS)], estop_ns: None };
-        let limits = OutputLimits {
-            accel_min_mps2: -2.0,
-            accel_max_mps2: 2.0,
-            steer_rad: 0.4,
-            steer_rate_radps: 10.0,
-            tick_s: 0.01,
+        let mut passed = Passed::default();
+        for (seq, time_ns) in [(0, -MS), (1, 9 * MS), (2, 19 * MS)] {
+            passed.commands.push(Passing { boot_id: 0, token: 5, seq, time_ns });
+        }
+        // One that starts again and echoes the grant is not the one that was armed.
+        passed.commands.push(Passing { boot_id: 1, token: 5, seq: 3, time_ns: 25 * MS });
+        let limiter = Limiter {
+            a_min: -2.0,
+            a_max: 2.0,
+            delta_max: 0.4,
+            a_rate_max: f64::INFINITY,
+            delta_rate_max: 10.0,
+            speed_cap: f64::INFINITY,
         };
         let track = Track::builtin("l").unwrap();
-        let values = heard.values(10 * MS, &passed, &limits, &track);
+        let rule = Rule { limiter, track: &track, latching: true };
+        let values = heard.values(10 * MS, &passed, &rule);
         let expected = [
             (Measure::LossToStopMs, 31.0),
             (Measure::LossToPlanMs, 11.0),

@@ -10,6 +10,8 @@ use anyhow::{Context as _, Result, bail};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
+use crate::network::pulse::resident_mb;
+
 /// How long a program has to end after SIGINT before it is killed.
 const GRACE: Duration = Duration::from_millis(300);
 
@@ -64,6 +66,11 @@ impl Program {
         self.child = spawn(&self.command, &self.log)?;
         self.ended = false;
         Ok(())
+    }
+
+    /// Resident memory; 0 once it has ended. \[MB\]
+    pub(super) fn resident_mb(&self) -> f64 {
+        f64::from(resident_mb(&self.child.id().to_string()))
     }
 
     /// Whether it ended though nobody ended it.

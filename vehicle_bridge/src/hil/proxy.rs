@@ -5,13 +5,15 @@ use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context as _, Result};
-use lcm_types::{ActuationCommand, Checked as _, OperatorCommand, channels};
+use lcm_types::channels;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use rand::RngExt as _;
 
 use super::alter::{self, Memory};
 use super::attack;
 use super::fault::{Action, Fault};
+use super::malformed;
+use super::passed::Passed;
 use super::random::{self, Random};
 use super::wire::{Wire, datagram, parts};
 use crate::network::realtime;
@@ -27,15 +29,6 @@ const KEPT: usize = 64;
 
 /// When the faults begin, on this host's monotonic clock; `i64::MAX` until it is known. \[ns\]
 pub(super) type Start = Arc<AtomicI64>;
-
-/// What went through.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Passed {
-    /// Boot id, number and time of each command of the source that passed unaltered. \[-, -, ns\]
-    pub(super) commands: Vec<(i64, i64, i64)>,
-    /// First emergency stop that passed. \[ns\]
-    pub(super) estop_ns: Option<i64>,
-}
 
 /// The running thread; ends when dropped.
 pub(super) struct Proxy {
@@ -64,7 +57,8 @@ impl Proxy {
             passed: Arc::clone(&passed),
             waiting: Vec::new(),
             sequence: OWN,
-            random: random::of(seed),
+            last: Vec::new(),
+            malformed: malformed::cases(channels::COMMAND),
         };
         let worker = Worker::start("hil-proxy", move |stop| {
             // Without the right to it the proxy is late by what the system is.
@@ -81,14 +75,14 @@ impl Proxy {
 }
 
 /// A fault and what it remembers.
-struct Active {
-    fault: Fault,
+pub(super) struct Active {
+    pub(super) fault: Fault,
     memory: Memory,
-    random: Random,
-    count: u32,
+    pub(super) random: Random,
+    pub(super) count: u32,
     held: Option<Vec<u8>>,
     past: Vec<Vec<u8>>,
-    next_ns: i64,
+    pub(super) next_ns: i64,
     done: bool,
 }
 
@@ -117,7 +111,9 @@ struct Forwarder {
     /// Delayed datagrams: when due, to which wire.
     waiting: Vec<(i64, usize, Vec<u8>)>,
     sequence: u32,
-    random: Random,
+    /// The source's last command that passed, as a datagram.
+    last: Vec<u8>,
+    malformed: Vec<malformed::Case>,
 }
 
 impl Forwarder {
@@ -138,9 +134,7 @@ impl Forwarder {
     }
 
     fn wait(&self) {
-        let busy = self.faults.iter().any(|active| {
-            matches!(active.fault.action, Action::Storm { .. } | Action::SecondController { .. })
-        });
+        let busy = self.faults.iter().any(|active| active.fault.action.is_storm());
         let time = now().mono_ns;
         let due = self.waiting.iter().map(|w| (w.0 - time).max(0) / 1_000_000).min();
         let longest = if busy { 1 } else { 20 };
@@ -164,25 +158,20 @@ impl Forwarder {
     }
 
     /// Sends, and notes what of it counts.
-    fn pass(&self, bytes: &[u8], to: usize, genuine: bool) {
-        if genuine
-            && to == 1
-            && let Some((channel, message)) = parts(bytes)
-        {
-            let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
-            if channel == channels::COMMAND
-                && let Ok(command) = ActuationCommand::open(message)
-            {
-                passed.commands.push((command.h.boot_id, command.h.seq, now().mono_ns));
-            }
-            if channel == channels::OPERATOR
-                && passed.estop_ns.is_none()
-                && OperatorCommand::open(message).is_ok_and(|o| o.command == OperatorCommand::ESTOP)
-            {
-                passed.estop_ns = Some(now().mono_ns);
-            }
+    fn pass(&mut self, bytes: &[u8], to: usize, genuine: bool) {
+        if genuine {
+            self.note(bytes, to, false);
         }
         self.wires[to].send(bytes);
+    }
+
+    fn note(&mut self, bytes: &[u8], to: usize, lost: bool) {
+        let Some((channel, message)) = parts(bytes).filter(|_| to == 1) else { return };
+        if channel == channels::COMMAND && !lost {
+            bytes.clone_into(&mut self.last);
+        }
+        let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
+        passed.note(channel, message, now().mono_ns, lost);
     }
 
     fn forward(&mut self, received: &[u8], to: usize) {
@@ -244,6 +233,11 @@ impl Forwarder {
                 Action::Junk { count } => {
                     extra.extend((0..*count).map(|_| attack::junk(&bytes, &mut active.random)));
                 }
+                Action::Malformed {} if !self.malformed.is_empty() => {
+                    let case = active.count as usize % self.malformed.len();
+                    active.count += 1;
+                    extra.extend(self.malformed[case].1.iter().cloned());
+                }
                 action => {
                     let mut message = message.to_vec();
                     if alter::message(
@@ -263,7 +257,9 @@ impl Forwarder {
         self.faults = faults;
         if !lost && delay_ns > 0 {
             self.waiting.push((time + delay_ns, to, bytes));
-        } else if !lost {
+        } else if lost {
+            self.note(&bytes, to, true);
+        } else {
             self.pass(&bytes, to, genuine);
         }
         for bytes in extra {
@@ -279,48 +275,25 @@ impl Forwarder {
         }
         for active in &mut self.faults {
             let (from, until) = active.fault.window_ns();
-            if time - start < from || time - start >= until {
-                continue;
-            }
-            let channel = active.fault.channel.as_deref().unwrap_or("STORM");
-            let send = |bytes: &[u8]| self.wires[1].send(bytes);
-            match active.fault.action {
-                Action::Storm { rate_hz, bytes } => {
-                    for _ in 0..due(&mut active.next_ns, time, rate_hz) {
-                        self.sequence += 1;
-                        send(&datagram(
-                            self.sequence,
-                            channel,
-                            &random::bytes(&mut active.random, bytes),
-                        ));
-                    }
+            if (from..until).contains(&(time - start)) {
+                let sent = attack::send(active, &self.last, time, |channel, message| {
+                    self.sequence += 1;
+                    self.wires[1].send(&datagram(self.sequence, channel, message));
+                });
+                if sent > 0 {
+                    let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
+                    passed.storm(sent, time);
                 }
-                Action::SecondController { rate_hz } => {
-                    for _ in 0..due(&mut active.next_ns, time, rate_hz) {
-                        self.sequence += 1;
-                        let command = attack::stranger(i64::from(active.count), time);
-                        active.count += 1;
-                        send(&datagram(self.sequence, channels::COMMAND, &command));
-                    }
-                }
-                Action::Fragments { count, bytes } if !active.done => {
+                if let Action::Fragments { count, bytes } = active.fault.action
+                    && !active.done
+                {
                     active.done = true;
                     for number in 0..count {
-                        send(&attack::incomplete(OWN + number, bytes, &mut self.random));
+                        let part = attack::incomplete(OWN + number, bytes, &mut active.random);
+                        self.wires[1].send(&part);
                     }
                 }
-                _ => {}
             }
         }
     }
-}
-
-/// How many messages of this rate are due; never a burst of more than a hundred.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rates are bounded")]
-fn due(next_ns: &mut i64, time: i64, rate_hz: f64) -> u32 {
-    let interval = (1e9 / rate_hz).max(1.0) as i64;
-    *next_ns = (*next_ns).max(time - 100 * interval);
-    let count = ((time - *next_ns) / interval).clamp(0, 100) as u32;
-    *next_ns += i64::from(count) * interval;
-    count
 }

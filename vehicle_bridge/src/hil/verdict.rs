@@ -39,6 +39,12 @@ impl Verdict<'_> {
         self.runs.iter().filter(|run| !run.broken.is_empty()).count()
     }
 
+    /// Runs that were repeated because the computer itself stood still.
+    #[must_use]
+    pub fn repeated(&self) -> usize {
+        self.runs.iter().map(|run| run.disturbed.len()).sum()
+    }
+
     /// One distribution for each expectation.
     #[must_use]
     pub fn distributions(&self) -> Vec<Distribution> {
@@ -115,15 +121,18 @@ pub fn junit(bench: &Bench, verdicts: &[Verdict<'_>]) -> String {
                 "<testcase classname=\"{name}\" name=\"seed {}\" time=\"{:.3}\"",
                 run.seed, run.duration
             );
-            if run.broken.is_empty() {
-                let _ = writeln!(xml, "{case}/>");
-            } else {
-                let message = escape(&run.broken.join("; "));
-                let _ = writeln!(
-                    xml,
-                    "{case}><failure type=\"limit\" message=\"{message}\">{message}</failure></testcase>"
-                );
+            let (broken, disturbed) = (run.broken.join("; "), run.disturbed.join("\n"));
+            let mut inside = String::new();
+            if !broken.is_empty() {
+                let text = escape(&broken);
+                let _ =
+                    write!(inside, "<failure type=\"limit\" message=\"{text}\">{text}</failure>");
             }
+            if !disturbed.is_empty() {
+                let text = escape(&disturbed);
+                let _ = write!(inside, "<system-out>disturbed, repeated: {text}</system-out>");
+            }
+            let _ = writeln!(xml, "{case}>{inside}</testcase>");
         }
         xml.push_str("</testsuite>\n");
     }
@@ -145,6 +154,11 @@ pub fn page(bench: &Bench, verdicts: &[Verdict<'_>]) -> String {
             format!("{} Seed {}; the faults begin at 0 s.", verdict.scenario.expected, run.seed);
         if !run.broken.is_empty() {
             note = format!("{note} Broken: {}.", run.broken.join("; "));
+        }
+        if verdict.repeated() > 0 {
+            let tries: Vec<_> = verdict.runs.iter().flat_map(|run| &run.disturbed).collect();
+            let text = tries.iter().map(|t| t.as_str()).collect::<Vec<_>>().join("; ");
+            note = format!("{note} Disturbed and repeated {} times: {text}.", tries.len());
         }
         let mut chart = Chart::new("time [s]", "speed [m/s], applied a [m/s^2], source 0 to 3");
         let of = |f: &dyn Fn(&super::observe::Point) -> f64| {
@@ -171,7 +185,10 @@ pub fn page(bench: &Bench, verdicts: &[Verdict<'_>]) -> String {
 pub fn rows(verdict: &Verdict<'_>) -> Vec<Vec<String>> {
     let s = verdict.scenario;
     let row = s.row.map_or(String::new(), |row| row.to_string());
-    let failed = format!("{} of {}", verdict.failed(), verdict.runs.len());
+    let mut failed = format!("{} of {}", verdict.failed(), verdict.runs.len());
+    if verdict.repeated() > 0 {
+        failed = format!("{failed}, {} repeated", verdict.repeated());
+    }
     let of = |d: Distribution| {
         let measured = d.text();
         vec![

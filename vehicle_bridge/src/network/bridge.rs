@@ -78,7 +78,9 @@ impl Bridge {
         let (commands, others) = (Inbox::queue(WAITING), Inbox::queue(WAITING));
         network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
         let life = format!("{}lmpc", channels::HEARTBEAT);
-        let names = vec![channels::OPERATOR.to_owned(), channels::TRACK.to_owned(), life];
+        // An order does not wait for the tick.
+        network.subscribe(Filter::channel(channels::OPERATOR), commands.urgent_sink())?;
+        let names = vec![channels::TRACK.to_owned(), life];
         network.subscribe(Filter::Only(names), others.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default().to_owned();
         Ok(Self {
@@ -147,7 +149,11 @@ impl Bridge {
                 break;
             }
             let Some(received) = self.commands.wait_until(self.wake(due)) else { break };
-            self.command(&received);
+            if received.channel == channels::OPERATOR {
+                self.order(&received);
+            } else {
+                self.command(&received);
+            }
             self.commands.recycle(received);
         }
         for _ in 0..WAITING {
@@ -221,7 +227,6 @@ impl Bridge {
 
     fn hear(&mut self, received: &Received) {
         match received.channel.as_str() {
-            channels::OPERATOR => self.order(received),
             channels::TRACK => {
                 if let Ok(track) = TrackMessage::open(&received.payload) {
                     self.step(&Event::Track(track.h.boot_id, track.track_id));

@@ -80,7 +80,7 @@ fn beat(
             state,
             arm_token,
             uptime_s: begun.elapsed().as_secs_f64(),
-            rss_mb: resident_mb(),
+            rss_mb: resident_mb("self"),
             rx_ok: counts.ok,
             rx_bad: counts.bad,
             rx_old: counts.old,
@@ -102,9 +102,9 @@ fn beat(
     }
 }
 
-/// Resident memory; 0 where the system does not tell. \[MB\]
-fn resident_mb() -> f32 {
-    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+/// Resident memory of a process, by its id; 0 where the system does not tell. \[MB\]
+pub(crate) fn resident_mb(process: &str) -> f32 {
+    let text = std::fs::read_to_string(format!("/proc/{process}/statm")).unwrap_or_default();
     let pages = text.split_whitespace().nth(1).and_then(|pages| pages.parse::<f32>().ok());
     pages.unwrap_or(0.0) * PAGE_MB
 }

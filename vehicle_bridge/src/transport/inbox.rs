@@ -35,6 +35,7 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
+    urgent: VecDeque<Received>,
     waiting: VecDeque<Received>,
     /// Memory of messages gone by, for the next ones.
     spare: Vec<Received>,
@@ -58,13 +59,20 @@ impl Inbox {
     /// The end that takes messages in.
     #[must_use]
     pub fn sink(&self) -> Box<dyn Sink> {
-        Box::new(Entrance(Arc::clone(&self.shared)))
+        Box::new(Entrance { shared: Arc::clone(&self.shared), urgent: false })
+    }
+
+    /// Another end, whose messages come out first. They have as many places of their own: no storm
+    /// on the other end makes them give way.
+    #[must_use]
+    pub fn urgent_sink(&self) -> Box<dyn Sink> {
+        Box::new(Entrance { shared: Arc::clone(&self.shared), urgent: true })
     }
 
     /// The oldest message waiting.
     #[must_use]
     pub fn take(&self) -> Option<Received> {
-        self.shared.lock().waiting.pop_front()
+        self.shared.lock().pop()
     }
 
     /// The oldest message waiting; waits for one until `deadline`.
@@ -72,7 +80,7 @@ impl Inbox {
     pub fn wait_until(&self, deadline: Instant) -> Option<Received> {
         let mut state = self.shared.lock();
         loop {
-            if let Some(received) = state.waiting.pop_front() {
+            if let Some(received) = state.pop() {
                 return Some(received);
             }
             let left = deadline.saturating_duration_since(Instant::now());
@@ -105,6 +113,12 @@ impl Inbox {
     }
 }
 
+impl State {
+    fn pop(&mut self) -> Option<Received> {
+        self.urgent.pop_front().or_else(|| self.waiting.pop_front())
+    }
+}
+
 impl Shared {
     /// The state; a thread that panicked while holding it left it whole.
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -112,17 +126,21 @@ impl Shared {
     }
 }
 
-struct Entrance(Arc<Shared>);
+struct Entrance {
+    shared: Arc<Shared>,
+    urgent: bool,
+}
 
 impl Sink for Entrance {
     fn deliver(&mut self, message: &Message<'_>) {
-        let mut guard = self.0.lock();
-        let state = &mut *guard;
-        let oldest = if state.waiting.len() == self.0.capacity {
-            state.dropped += 1;
-            state.waiting.pop_front()
+        let mut guard = self.shared.lock();
+        let State { urgent, waiting, spare, dropped } = &mut *guard;
+        let queue = if self.urgent { urgent } else { waiting };
+        let oldest = if queue.len() == self.shared.capacity {
+            *dropped += 1;
+            queue.pop_front()
         } else {
-            state.spare.pop()
+            spare.pop()
         };
         let mut place = oldest.unwrap_or_default();
         place.channel.clear();
@@ -130,9 +148,9 @@ impl Sink for Entrance {
         place.payload.clear();
         place.payload.extend_from_slice(message.payload);
         place.arrival = message.arrival;
-        state.waiting.push_back(place);
+        queue.push_back(place);
         drop(guard);
-        self.0.arrived.notify_one();
+        self.shared.arrived.notify_one();
     }
 }
 
@@ -163,6 +181,17 @@ mod tests {
         send(&inbox, 0..5);
         let numbers: Vec<u8> = std::iter::from_fn(|| inbox.take()).map(|r| r.payload[0]).collect();
         assert_eq!((numbers, inbox.dropped()), (vec![2, 3, 4], 2));
+    }
+
+    #[test]
+    fn what_is_urgent_comes_first_and_does_not_give_way() {
+        let inbox = Inbox::queue(3);
+        let arrival = Arrival { utime: 0, mono_ns: 0 };
+        let message = Message { channel: "B", payload: &[99], arrival, sender: None };
+        inbox.urgent_sink().deliver(&message);
+        send(&inbox, 0..100);
+        let numbers: Vec<u8> = std::iter::from_fn(|| inbox.take()).map(|r| r.payload[0]).collect();
+        assert_eq!((numbers, inbox.dropped()), (vec![99, 97, 98, 99], 97));
     }
 
     #[test]
