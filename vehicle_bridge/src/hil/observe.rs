@@ -175,7 +175,8 @@ mod tests {
 
     fn report(tick: i64, source: i8, steer: f64) -> ActuationReport {
         let h = Header { mono_ns: tick * 10 * MS, seq: tick, ..Header::default() };
-        let (enabled, cmd_seq) = (matches!(source, 1 | 2), tick);
+        // After the third none came.
+        let (enabled, cmd_seq) = (matches!(source, 1 | 2), tick.min(2));
         ActuationReport { h, source, enabled, cmd_seq, steer, ..ActuationReport::default() }
     }
 

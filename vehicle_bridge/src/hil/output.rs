@@ -6,7 +6,7 @@ use vehicle_model::Limiter;
 /// Rounding of what is compared with a limit. \[-\]
 const ROUNDING: f64 = 1e-6;
 /// Stamps of two reports are off by this from the times of their inputs. \[s\]
-const STAMPS: f64 = 5e-4;
+const STAMPS: f64 = 1e-3;
 /// Source of a report that stops.
 pub(super) const STOP: i8 = 3;
 

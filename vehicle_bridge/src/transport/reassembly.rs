@@ -43,6 +43,9 @@ struct Partial {
     started_ns: i64,
     touched: u64,
     channel: String,
+    /// Size of the message. \[B\]
+    size: usize,
+    /// At least `size` bytes; what is behind them, and what has not come, is of earlier messages.
     payload: Vec<u8>,
     /// One bit for each fragment received.
     seen: Vec<u64>,
@@ -91,7 +94,7 @@ impl Reassembly {
         let index = known.unwrap_or_else(|| self.begin(source, fragment, now_ns));
         let partial = &mut self.partials[index];
         partial.touched = self.tick;
-        if partial.payload.len() != size || partial.count != fragment.count {
+        if partial.size != size || partial.count != fragment.count {
             return Outcome::Refused;
         }
         let (word, bit) = (usize::from(fragment.number) / 64, 1 << (fragment.number % 64));
@@ -114,7 +117,7 @@ impl Reassembly {
         if !partial.is_contiguous() {
             return Outcome::Refused;
         }
-        Outcome::Complete { channel: &partial.channel, payload: &partial.payload }
+        Outcome::Complete { channel: &partial.channel, payload: &partial.payload[..partial.size] }
     }
 
     /// Gives up what is too old at `now_ns`.
@@ -138,8 +141,12 @@ impl Reassembly {
         partial.missing = fragment.count;
         partial.started_ns = now_ns;
         partial.channel.clear();
-        partial.payload.clear();
-        partial.payload.resize(fragment.size as usize, 0);
+        partial.size = fragment.size as usize;
+        // Not cleared: a flood of beginnings would keep the receiver busy with that alone, and only a
+        // message whose every byte has come is handed on.
+        if partial.payload.len() < partial.size {
+            partial.payload.resize(partial.size, 0);
+        }
         partial.seen.clear();
         partial.seen.resize(usize::from(fragment.count).div_ceil(64), 0);
         partial.spans.clear();
@@ -175,6 +182,7 @@ impl Partial {
             started_ns: 0,
             touched: 0,
             channel: String::new(),
+            size: 0,
             payload: Vec::new(),
             seen: Vec::new(),
             spans: Vec::new(),
@@ -188,7 +196,7 @@ impl Partial {
             .spans
             .iter()
             .try_fold(0, |end, (offset, length)| (*offset == end).then_some(end + length));
-        end == Some(self.payload.len())
+        end == Some(self.size)
     }
 }
 
