@@ -5,25 +5,24 @@
 #![allow(clippy::print_stdout, reason = "figures for `--nocapture`")]
 
 use std::fs;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
 use common::{MULTICAST, Program, URL, isolated};
-use controller::{Config, Controller, Measurement, Pose};
+use controller::{Config, Controller};
 use lcm_types::{ActuationCommand, Checked as _, channels};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use vehicle_bridge::race::learned;
 use vehicle_bridge::transport::{self, Filter, Inbox};
-use vehicle_model::{CarParams, Plant, PlantParams, State, Track};
+use vehicle_model::{CarParams, Track};
 
 mod common;
 
 const PATIENCE: Duration = Duration::from_secs(60);
-const SAVER: &str = "LMPC_SAVER_FOLDER";
 
 fn setting(name: &str, default: u32) -> u32 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap())
@@ -128,87 +127,22 @@ fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
     });
 }
 
-/// Controllers that know one and two laps.
-fn two() -> [Controller; 2] {
-    let (mut driver, mut found) = (controller(), Vec::new());
-    let track = driver.track().clone();
-    let start = State { v_x: driver.config().warm_up.speed, ..State::default() };
-    let car = CarParams::builtin("barc").unwrap();
-    let mut plant = Plant::new(PlantParams::new(car), track, start).unwrap();
-    let period = driver.config().horizon.period;
-    for n in 0_u32.. {
-        let time = f64::from(n) * period;
-        let measurement = Measurement { time, pose: Pose::Frenet(plant.measure()), applied: None };
-        let command = driver.step(&measurement);
-        driver.prepare();
-        plant.apply(command.input, period);
-        if command.status.finished.is_some() {
-            let mut copy = controller();
-            copy.load(&driver.save()).unwrap();
-            found.push(copy);
-        }
-        if found.len() == 2 {
-            break;
-        }
-    }
-    found.try_into().unwrap_or_else(|_| panic!("two laps"))
-}
-
-/// Saves, one after the other, until it is killed. A test only by its name.
-#[test]
-fn saver() {
-    let Some(folder) = std::env::var_os(SAVER).map(PathBuf::from) else { return };
-    let known = ["one", "two"].map(|name| {
-        let mut controller = controller();
-        learned::load(&folder.join(name), &mut controller).unwrap();
-        controller
-    });
-    let mut out = std::io::stdout();
-    writeln!(out, "ready").and_then(|()| out.flush()).unwrap();
-    for controller in known.iter().cycle() {
-        learned::save(&folder.join("learned.lmpc"), controller).unwrap();
-    }
-}
-
-fn start_saver(folder: &Path) -> Child {
-    let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(["--exact", "saver", "--nocapture"]).env(SAVER, folder);
-    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
-    let mut lines = BufReader::new(child.stdout.as_mut().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap().contains("ready")), "the saver ended");
-    child
-}
-
 #[test]
 fn a_thousand_kills_of_a_saver_leave_whole_files() {
     let folder = folder("saver");
-    let path = folder.join("learned.lmpc");
-    let unfinished = folder.join("learned.lmpc.new");
-    let two = two();
-    for (name, controller) in ["one", "two"].iter().zip(&two) {
-        learned::save(&folder.join(name), controller).unwrap();
-    }
-    learned::save(&path, &two[0]).unwrap();
-    let whole = two.map(|controller| controller.save());
-    let mut rng = Pcg64::seed_from_u64(20);
-    let (mut writing, mut found) = (0, [0; 2]);
-    for kill in 0..setting("LMPC_SAVER_KILLS", 1000) {
-        let before = written(&unfinished);
-        let mut child = start_saver(&folder);
-        std::thread::sleep(Duration::from_micros(rng.random_range(0..8_000)));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        writing += u32::from(written(&unfinished).is_some_and(|at| before != Some(at)));
-        for name in ["learned.lmpc", "learned.lmpc.bak"] {
-            let Ok(bytes) = fs::read(folder.join(name)) else {
-                assert_ne!(name, "learned.lmpc", "kill {kill}: the file is gone");
-                continue;
-            };
-            let which = whole.iter().position(|whole| *whole == bytes);
-            found[which.unwrap_or_else(|| panic!("kill {kill}: {name} is damaged"))] += 1;
-        }
-    }
-    println!("{writing} kills while a file was being written; found {found:?}");
-    assert!(writing > 0 && found[0] > 0 && found[1] > 0, "{writing} {found:?}");
+    let kills = setting("LMPC_SAVER_KILLS", 1000).to_string();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lmpc"));
+    command.args(["hil", "probe", "saver-kills", "--seed", "20", "--kills", &kills, "--dir"]);
+    let output = command.arg(&folder).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{output:?}");
+    println!("{text}");
+    let measured = |name: &str| -> u32 {
+        let line = text.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        line.trim().parse().unwrap()
+    };
+    assert_eq!(measured("kills").to_string(), kills);
+    assert_eq!((measured("corrupt_files"), measured("missing_files")), (0, 0));
+    assert!(measured("mid_write") > 0);
     fs::remove_dir_all(&folder).unwrap();
 }

@@ -158,3 +158,56 @@ fn the_background_writer_writes_all_or_counts_what_it_drops() {
     assert_eq!(totals.written + totals.dropped, 200);
     assert!(totals.dropped >= 191, "{totals:?}");
 }
+
+#[test]
+fn writing_goes_on_when_the_disk_has_room_again() {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::{Arc, Mutex};
+    use std::time::{Duration, Instant};
+
+    /// A disk that is full as long as it is said to be.
+    #[derive(Clone, Default)]
+    struct Disk(Arc<AtomicBool>, Arc<Mutex<Vec<u8>>>);
+    impl std::io::Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            if self.0.load(Ordering::SeqCst) {
+                return Err(std::io::ErrorKind::StorageFull.into());
+            }
+            self.1.lock().unwrap().extend(bytes);
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let disk = Disk::default();
+    let buffered = std::io::BufWriter::with_capacity(4096, disk.clone());
+    let writer = BackgroundWriter::new(buffered, 10_000).unwrap();
+    let events = events(600);
+    let push = |range: std::ops::Range<usize>| {
+        for event in &events[range] {
+            writer.push(event.utime, &event.channel, &event.data);
+        }
+    };
+    let until = |what: &dyn Fn() -> bool| {
+        let begun = Instant::now();
+        while !what() {
+            assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", writer.trouble());
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    };
+    let empty = || disk.1.lock().unwrap().len() == log(&events[..200]).len();
+    push(0..200);
+    until(&empty);
+    disk.0.store(true, Ordering::SeqCst);
+    push(200..400);
+    until(&|| writer.dropped() > 0 && writer.trouble().is_some());
+    disk.0.store(false, Ordering::SeqCst);
+    push(400..600);
+    until(&|| writer.trouble().is_none());
+    let totals = writer.finish().unwrap();
+    let (again, damage) = read(&disk.1.lock().unwrap());
+    assert_eq!((totals.written + totals.dropped, again.len() as u64), (600, totals.written));
+    assert_eq!(damage, super::Damage::default(), "no event is torn");
+    assert!(totals.written >= 400 && again.last().unwrap().data == events[599].data, "{totals:?}");
+}

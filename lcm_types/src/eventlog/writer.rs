@@ -10,12 +10,13 @@ use crate::Error;
 pub struct Writer<W> {
     out: W,
     next: i64,
+    bytes: Vec<u8>,
 }
 
 impl<W: Write> Writer<W> {
     /// A log on `out`, whose first event is number 0.
     pub fn new(out: W) -> Self {
-        Self { out, next: 0 }
+        Self { out, next: 0, bytes: Vec::new() }
     }
 
     /// Appends one event, received at `utime` \[us since 1970\].
@@ -25,15 +26,17 @@ impl<W: Write> Writer<W> {
     pub fn write(&mut self, utime: i64, channel: &str, data: &[u8]) -> Result<(), Error> {
         let channel_length = size("channel", channel.len(), 1, MAX_CHANNEL)?;
         let data_length = size("message", data.len(), 0, MAX_MESSAGE)?;
-        let mut header = [0; HEADER];
-        header[0..4].copy_from_slice(&SYNC.to_be_bytes());
-        header[4..12].copy_from_slice(&self.next.to_be_bytes());
-        header[12..20].copy_from_slice(&utime.to_be_bytes());
-        header[20..24].copy_from_slice(&channel_length.to_be_bytes());
-        header[24..28].copy_from_slice(&data_length.to_be_bytes());
-        self.out.write_all(&header)?;
-        self.out.write_all(channel.as_bytes())?;
-        self.out.write_all(data)?;
+        // In one piece: a buffer in front of a full disk takes all of an event or nothing.
+        self.bytes.clear();
+        self.bytes.reserve(HEADER + channel.len() + data.len());
+        self.bytes.extend(SYNC.to_be_bytes());
+        self.bytes.extend(self.next.to_be_bytes());
+        self.bytes.extend(utime.to_be_bytes());
+        self.bytes.extend(channel_length.to_be_bytes());
+        self.bytes.extend(data_length.to_be_bytes());
+        self.bytes.extend(channel.as_bytes());
+        self.bytes.extend(data);
+        self.out.write_all(&self.bytes)?;
         self.next += 1;
         Ok(())
     }

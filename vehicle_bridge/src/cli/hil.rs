@@ -59,6 +59,9 @@ pub struct HilArgs {
 pub enum HilAction {
     /// Run a bench: drive, inject faults, judge
     Run(HilRunArgs),
+    /// A program of the shipped benches: prints what it measures, `name value` line by line
+    #[command(hide = true)]
+    Probe(ProbeArgs),
     /// Command a car along the centre line, as the bench does, until Ctrl-C
     #[command(hide = true)]
     Drive(HilDriveArgs),
@@ -79,6 +82,39 @@ pub struct HilDriveArgs {
     /// Speed
     #[arg(long, default_value_t = 2.0, value_name = "MPS")]
     pub speed: f64,
+}
+
+/// Options of `lmpc hil probe`.
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    /// Which.
+    #[command(subcommand)]
+    pub probe: Probe,
+    /// Folder for its files
+    #[arg(long, global = true, default_value = ".", value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Seed of what is drawn
+    #[arg(long, global = true, default_value_t = 0, value_name = "SEED")]
+    pub seed: u64,
+}
+
+/// Programs of the shipped benches.
+#[derive(Debug, Subcommand)]
+pub enum Probe {
+    /// Kill a program that saves learned data, again and again, and look at the files it leaves
+    SaverKills {
+        /// Kills
+        #[arg(long, default_value_t = 10, value_name = "N")]
+        kills: u32,
+    },
+    /// Save learned data until killed
+    Saver,
+    /// Record a drive, damage the log, replay it
+    DamagedLog {
+        /// The network to drive on
+        #[command(flatten)]
+        network: NetworkArgs,
+    },
 }
 
 /// Options of `lmpc hil run`.

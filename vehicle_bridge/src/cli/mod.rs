@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs};
+pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };

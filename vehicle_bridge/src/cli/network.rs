@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs};
+use crate::network::effort::Overrun;
 use crate::transport::DEFAULT_URL;
 
 const SERVE_EXAMPLES: &str = "\
 Examples:
   lmpc serve                                 small car, L track, this host's network
   lmpc serve --learned l.lmpc                keep what is learned, and find it again
+  lmpc serve --log drive.log                 and a log of what was said and heard
   lmpc serve --dry-run                       compute, but never command the car
   lmpc serve --url 'udpm://239.255.76.67:7667?ttl=1' --realtime
 
@@ -61,6 +63,12 @@ pub struct ServeArgs {
     /// Learned data: loaded if there, saved after every lap
     #[arg(long, value_name = "FILE")]
     pub learned: Option<PathBuf>,
+    /// Event log of what it says and hears, for `lmpc replay`; continued if it is there
+    #[arg(long, value_name = "LOG")]
+    pub log: Option<PathBuf>,
+    /// From step FIRST on, COUNT steps take MS longer: what a slow solver would do, for the bench
+    #[arg(long, hide = true, value_name = "FIRST,COUNT,MS")]
+    pub bench_overrun: Option<Overrun>,
     /// Publish what would be commanded on LMPC/CMD_DRY, and never a command
     #[arg(long)]
     pub dry_run: bool,

@@ -1,5 +1,7 @@
 //! Options of `lmpc bridge` and `lmpc operator`.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand};
 
 use super::{ControllerArgs, NetworkArgs};
@@ -26,6 +28,9 @@ pub struct BridgeArgs {
     /// Seed of the car's noise
     #[arg(long, default_value_t = 0, value_name = "SEED")]
     pub seed: u64,
+    /// Event log of what it says and hears, the network gone or not; continued if it is there
+    #[arg(long, value_name = "LOG")]
+    pub log: Option<PathBuf>,
     /// How much later than due a command or state may come
     #[arg(long, default_value_t = 100, value_name = "MS",
           value_parser = clap::value_parser!(u32).range(20..=1000))]

@@ -12,11 +12,9 @@ use super::network::on_signal;
 use crate::check::check_file;
 use crate::cli::{HilAction, HilArgs, HilRunArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
-use crate::hil::{Bench, Verdict, drive, execute, verdict};
+use crate::hil::host::NETWORK_UP;
+use crate::hil::{Bench, Verdict, drive, execute, probe, verdict};
 
-/// Sets up a network of its own and runs the rest of the command line there.
-const ISOLATE: &str = "ip link set lo up && ip link set lo multicast on && \
-    ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
 
 /// Runs a bench.
@@ -28,6 +26,7 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
             drive(&args.network.url(), &args.car, &args.track, args.speed, &stop)?;
             return Ok(Outcome::Done);
         }
+        HilAction::Probe(args) => return probe::run(args).map(|()| Outcome::Done),
     };
     if !args.isolated {
         return Err(isolate());
@@ -118,9 +117,9 @@ fn isolate() -> anyhow::Error {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let program = std::env::current_exe().unwrap_or_else(|_| Path::new("lmpc").to_owned());
     // Root keeps its rights to real-time priority only without a user namespace.
-    let flags = if nix::unistd::geteuid().is_root() { "-n" } else { "-rn" };
+    let flags = if nix::unistd::geteuid().is_root() { "-nm" } else { "-rnm" };
     let error = Command::new("unshare")
-        .args([flags, "sh", "-c", ISOLATE, "sh"])
+        .args([flags, "sh", "-c", &format!("{NETWORK_UP} && exec \"$@\""), "sh"])
         .arg(program)
         .args(arguments)
         .arg("--isolated")

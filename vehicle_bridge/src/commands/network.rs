@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -17,6 +17,7 @@ use crate::cli::{CarArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, Sim
 use crate::console::{Talk, WARN, paint, result};
 use crate::network::car::{Car, CarOptions, Drive};
 use crate::network::mapped_car::MappedCar;
+use crate::network::record::Log;
 use crate::network::service::{Service, ServiceOptions};
 use crate::network::store::Store;
 use crate::network::{map_file, realtime, record, replay};
@@ -46,6 +47,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         talk.say(&format!("{} laps loaded from {}", controller.laps().len(), path.display()));
     }
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
         warn(note);
@@ -55,6 +57,8 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         wait_for_start: args.wait_for_start,
         valid_for: args.valid_for_ms.map_or(VALID_PERIODS * period, |ms| f64::from(ms) * 1e-3),
         notes,
+        log,
+        overrun: args.bench_overrun,
     };
     let stop = on_signal()?;
     let mut service = Service::new(service, controller, store, &network)?;
@@ -83,10 +87,11 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
             if lap.valid { "" } else { ", not valid" }
         ));
     });
-    let (effort, overruns) = service.effort();
+    let effort = service.effort();
     talk.say(&format!(
-        "{} steps, {overruns} longer than a period; the longest took {:.2} ms from state to command",
+        "{} steps, {} longer than a period; the longest took {:.2} ms from state to command",
         effort.steps,
+        effort.overruns,
         effort.longest * 1e3
     ));
     Ok(Outcome::Done)
@@ -180,7 +185,8 @@ pub(super) fn record(args: &RecordArgs, talk: Talk) -> Result<Outcome> {
     }
     let stop = on_signal()?;
     talk.say("recording; Ctrl-C ends");
-    let totals = record::record(&network, &args.log, &stop)?;
+    let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));
+    let totals = record::record(&network, &args.log, &stop, &mut { warn })?;
     talk.say(&format!("{} messages written, {} dropped", totals.written, totals.dropped));
     Ok(if totals.dropped == 0 { Outcome::Done } else { Outcome::Degraded })
 }
@@ -204,6 +210,7 @@ pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
     for (count, what) in [
         (found.without_state, "commands answer states that are not in the log"),
         (found.unreadable, "messages could not be read"),
+        (found.damage.places, "places of the log are damaged and were skipped"),
     ] {
         if count > 0 {
             result(&format!("{count} {what}"))?;
@@ -241,6 +248,16 @@ pub(super) fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<
         .with_context(|| format!("cannot join the network {url}"))?;
     let warnings = network.warnings().to_vec();
     Ok((network, warnings))
+}
+
+/// The network with a log behind it, if one is wanted.
+pub(super) fn logged(
+    network: Arc<dyn Transport>,
+    path: Option<&Path>,
+) -> Result<(Arc<dyn Transport>, Option<Log>)> {
+    let Some(path) = path else { return Ok((network, None)) };
+    let (network, log) = record::logged(network, path)?;
+    Ok((network, Some(log)))
 }
 
 /// Takes real-time rights for this thread; what is missing, in words.

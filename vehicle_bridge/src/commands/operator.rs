@@ -6,7 +6,7 @@ use anyhow::Result;
 use lcm_types::{Heartbeat, OperatorCommand};
 use vehicle_model::{Plant, PlantParams, State};
 
-use super::network::{connect, on_signal, real_time};
+use super::network::{connect, logged, on_signal, real_time};
 use super::{Outcome, setup};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
@@ -23,17 +23,18 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     rules.timeout_ns = i64::from(args.timeout_ms) * 1_000_000;
     let car = Plant::new(params, Arc::clone(&options.track), State::default())?;
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
     }
     let stop = on_signal()?;
     talk.say("bridging a simulated car; Ctrl-C ends");
-    let mut bridge = Bridge::new(rules, Box::new(car), notes, &network)?;
+    let mut bridge = Bridge::new(rules, Box::new(car), notes, &network)?.with_log(log);
     let bridged = bridge.run(&stop, &mut |phase, lapse| {
         let why = if lapse == Lapse::None { String::new() } else { format!(" ({lapse})") };
         talk.say(&format!("{}{why}", phase.name()));
-    })?;
+    });
     let c = bridged.commands;
     talk.say(&format!(
         "{} ticks, {} missed, latest by {:.1} ms; commands: {} obeyed, {} bad, {} old or not \

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Deserialize;
 
-use super::fault::Fault;
+use super::fault::{Action, Fault};
 use super::measure::{Expectation, Name};
 
 /// A bench file.
@@ -48,6 +48,9 @@ pub struct Process {
     pub command: Vec<String>,
     /// It is ready when this channel was heard; `HB/bridge` for example.
     pub ready: Option<String>,
+    /// Event log it writes: what the bench else hears on the car's side is then read there, after
+    /// the run. For runs in which the network is down.
+    pub log: Option<String>,
 }
 
 /// Who commands the car.
@@ -110,6 +113,8 @@ pub struct Scenario {
     /// Faults.
     #[serde(default, rename = "fault")]
     pub faults: Vec<Fault>,
+    /// Size of a file system of the run's own, `{dir}/disk`, that `fill_disk` fills. \[MB\]
+    pub disk_mb: Option<u32>,
     /// What has to hold.
     #[serde(default, rename = "expect")]
     pub expectations: Vec<Expectation>,
@@ -130,6 +135,24 @@ pub struct When {
 }
 
 impl Scenario {
+    /// Whether a fault takes the network away.
+    #[must_use]
+    pub fn is_alone(&self) -> bool {
+        self.faults.iter().any(|fault| matches!(fault.action, Action::NetworkDown {}))
+    }
+
+    /// What is wrong with its file system.
+    fn disk_problem(&self) -> Option<String> {
+        let fills = self.faults.iter().any(|f| matches!(f.action, Action::FillDisk {}));
+        match self.disk_mb {
+            None if fills => Some("fault fill_disk: the scenario has no disk_mb".to_owned()),
+            Some(mb) if !(1..=1024).contains(&mb) => {
+                Some(format!("disk_mb is {mb}, expected 1 to 1024"))
+            }
+            _ => None,
+        }
+    }
+
     /// What does not go with a program, or not without one.
     fn program_problems(&self) -> Vec<String> {
         let printed = self.expectations.iter().filter_map(|e| match &e.measure {
@@ -175,6 +198,7 @@ impl Bench {
             if scenario.expectations.is_empty() {
                 problems.push(format!("{at}: expects nothing; add [[scenario.expect]]"));
             }
+            problems.extend(scenario.disk_problem().map(|p| format!("{at}: {p}")));
             problems.extend(scenario.program_problems().into_iter().map(|p| format!("{at}: {p}")));
             let positive = [
                 ("observe_s", scenario.observe_s),

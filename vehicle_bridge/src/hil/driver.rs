@@ -161,7 +161,7 @@ impl Source {
 
     fn grant(&mut self, token: i64, state: i8) {
         // After the faults begin nobody arms again by itself, and the grant of before is echoed.
-        if !self.stopping() {
+        if !self.stopping() || self.rearms() {
             self.operator.grant(token, state);
         }
     }
@@ -174,7 +174,7 @@ impl Source {
         });
         match order {
             Some(order) => Duty::Give(order),
-            None if self.task.arming && !self.stopping() => Duty::Drive,
+            None if self.task.arming && (!self.stopping() || self.rearms()) => Duty::Drive,
             None => Duty::Watch,
         }
     }
@@ -191,6 +191,10 @@ impl Source {
 
     fn stopping(&self) -> bool {
         self.start.load(Ordering::Acquire) != i64::MAX
+    }
+
+    fn rearms(&self) -> bool {
+        self.acts(|action| matches!(action, Action::Rearm {}))
     }
 
     /// Whether a fault of this kind acts now.

@@ -155,6 +155,12 @@ pub enum Action {
     DeadmanReleased {},
     /// Who holds the dead man's switch is not heard any more.
     DeadmanSilent {},
+    /// The operator arms and starts again, as before the faults.
+    Rearm {},
+    /// The network interface is down; the run gets a network of its own.
+    NetworkDown {},
+    /// The file system of `disk_mb`, `{dir}/disk`, is full.
+    FillDisk {},
     /// The operator gives an order.
     Order {
         /// Which.

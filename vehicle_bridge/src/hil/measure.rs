@@ -47,6 +47,18 @@ pub enum Measure {
     LongestGapMs,
     /// Distance driven from the fault to standstill. \[m\]
     StopDistanceM,
+    /// Reports that drive by a command again after a stop.
+    Resumed,
+    /// Steps that took the controller longer than a period, as its telemetry says.
+    Overruns,
+    /// From the fault's beginning to the first life sign of a controller that started anew.
+    ReadyMs,
+    /// Laps the controller had learned before the fault began, less those at its new start.
+    LapsLost,
+    /// Messages that controller and car side could not write to their logs, as their life signs say.
+    LogDropped,
+    /// Life signs of the controller that say that what it learned cannot be saved.
+    SaveFailures,
 }
 
 /// What a limit is on.

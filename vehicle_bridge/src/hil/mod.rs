@@ -6,14 +6,17 @@
 mod alter;
 mod attack;
 pub mod bench;
+mod controller_side;
 mod driver;
 pub mod fault;
+pub mod host;
 pub mod malformed;
 pub mod measure;
 mod observe;
 mod operator;
 mod output;
 mod passed;
+pub mod probe;
 mod process;
 mod program;
 mod proxy;

@@ -1,11 +1,18 @@
 //! What the wire on the car's side says of a run: measured afterwards, from the stamps in the
 //! messages, so that a late observer does not count.
 
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use lcm_types::eventlog::Reader;
 use lcm_types::{
     ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, VehicleState, channels,
 };
 use vehicle_model::{Limiter, Track};
 
+use super::controller_side::{Controller, log_dropped};
 use super::measure::{Measure, Values};
 use super::output::{STOP, drives, unsafe_reports};
 use super::passed::Passed;
@@ -37,6 +44,7 @@ pub(super) struct Heard {
     states: Vec<VehicleState>,
     beats: Vec<Heartbeat>,
     acks: Vec<OperatorAck>,
+    controller: Controller,
 }
 
 /// What a run is measured by.
@@ -52,18 +60,37 @@ impl Heard {
     pub(super) fn of(inbox: &Inbox, until_ns: i64) -> Self {
         let mut heard = Self::default();
         while let Some(Received { channel, payload, .. }) = inbox.take() {
-            match channel.as_str() {
-                channels::ACTUATION => heard.reports.extend(ActuationReport::open(&payload).ok()),
-                channels::STATE => heard.states.extend(VehicleState::open(&payload).ok()),
-                channels::OPERATOR_ACK => heard.acks.extend(OperatorAck::decode(&payload).ok()),
-                "HB/bridge" => heard.beats.extend(Heartbeat::decode(&payload).ok()),
-                _ => {}
-            }
+            heard.add(&channel, &payload);
         }
-        // What follows the observation is the end of the programs.
-        heard.reports.retain(|report| report.h.mono_ns <= until_ns);
-        heard.states.retain(|state| state.h.mono_ns <= until_ns);
-        heard
+        heard.until(until_ns)
+    }
+
+    /// The same, from a log of a process that sent or heard it.
+    pub(super) fn of_log(log: &Path, until_ns: i64) -> Result<Self> {
+        let file = File::open(log).with_context(|| format!("cannot read {}", log.display()))?;
+        let mut heard = Self::default();
+        for event in Reader::new(BufReader::new(file)) {
+            let event = event?;
+            heard.add(&event.channel, &event.data);
+        }
+        Ok(heard.until(until_ns))
+    }
+
+    fn add(&mut self, channel: &str, payload: &[u8]) {
+        match channel {
+            channels::ACTUATION => self.reports.extend(ActuationReport::open(payload).ok()),
+            channels::STATE => self.states.extend(VehicleState::open(payload).ok()),
+            channels::OPERATOR_ACK => self.acks.extend(OperatorAck::decode(payload).ok()),
+            "HB/bridge" => self.beats.extend(Heartbeat::decode(payload).ok()),
+            _ => self.controller.add(channel, payload),
+        }
+    }
+
+    /// What follows the observation is the end of the programs.
+    fn until(mut self, until_ns: i64) -> Self {
+        self.reports.retain(|report| report.h.mono_ns <= until_ns);
+        self.states.retain(|state| state.h.mono_ns <= until_ns);
+        self
     }
 
     /// Everything that can be measured, with the faults beginning at `start_ns`.
@@ -85,6 +112,10 @@ impl Heard {
                 values.insert(Measure::LossToStopMs, ms(last, stop));
             }
         }
+        let resumed =
+            |r: &&&ActuationReport| drives(r) && stop.is_some_and(|stop| r.h.mono_ns > stop);
+        values.insert(Measure::Resumed, after.iter().filter(resumed).count() as f64);
+        self.controller.values(start_ns, &mut values);
         let planned = first(&|r| r.source == PLAN, start_ns);
         if let Some((plan, last)) = planned.and_then(|plan| Some((plan, last_command(plan)?))) {
             values.insert(Measure::LossToPlanMs, ms(last, plan));
@@ -140,6 +171,9 @@ impl Heard {
         let named = self.beats.iter().filter(|beat| beat.detail.contains("wrong fingerprint"));
         values.insert(Measure::FingerprintsNamed, named.count() as f64);
         let before = self.beats.iter().rev().find(|beat| beat.h.mono_ns <= start_ns);
+        let dropped = self.beats.iter().map(log_dropped).max().unwrap_or(0);
+        let both = values.get(Measure::LogDropped).unwrap_or(0.0) + dropped as f64;
+        values.insert(Measure::LogDropped, both);
         if let (Some(first), Some(last)) = (before, self.beats.last()) {
             let refused = |b: &Heartbeat| b.rx_bad + b.rx_old + b.rx_stale;
             values.insert(Measure::Refused, (refused(last) - refused(first)) as f64);

@@ -13,6 +13,7 @@ use vehicle_model::{CarParams, Limiter, Track};
 use super::bench::{Bench, Scenario, Source};
 use super::driver::{Driver, Progress, Task};
 use super::fault::Action;
+use super::host::{self, Host};
 use super::measure::{Expectation, Measure, Name, Values};
 use super::observe::{Heard, Point, Rule};
 use super::process::Program;
@@ -65,10 +66,12 @@ pub struct Outcome {
 pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> Outcome {
     let begun = Instant::now();
     let mut outcome = Outcome { seed, ..Outcome::default() };
-    let result = if scenario.program.is_empty() {
-        drive(place, scenario, seed, ports)
-    } else {
+    let result = if !scenario.program.is_empty() {
         program::run(place, scenario, seed, ports).map(|values| (values, Vec::new()))
+    } else if scenario.is_alone() {
+        host::alone(|| drive(place, scenario, seed, ports))
+    } else {
+        drive(place, scenario, seed, ports)
     };
     match result {
         Ok((values, points)) => {
@@ -108,6 +111,7 @@ fn drive(
     ports: u16,
 ) -> Result<(Values, Vec<Point>)> {
     let folder = Folder::new(ports)?;
+    let mut host = Host::new(scenario, &folder.0)?;
     let words = Words::of(place, seed, ports, &folder);
     let (control_url, car_url) = (&words.control_url, &words.car_url);
     let options = |url: &str| Url::parse(url)?.udpm_options();
@@ -150,13 +154,17 @@ fn drive(
     let phase = PHASE * random::of(seed ^ 0x7ab1e).random::<f64>();
     let begins = wait(scenario, &driver, phase)?;
     start.store(begins, Ordering::Release);
-    let growth = inject(scenario, &mut programs, begins)?;
+    let growth = inject(scenario, &mut programs, &mut host, begins)?;
     let crashes = programs.iter_mut().filter_map(|p| p.crashed().then(|| p.name.clone())).count();
     let ended = now().mono_ns;
     drop(driver);
     let passed = proxy.passed();
     drop(programs);
-    let heard = Heard::of(&heard, ended);
+    let log = scenario.processes.iter().find_map(|n| place.bench.process(n)?.log.clone());
+    let heard = match log {
+        Some(path) => Heard::of_log(Path::new(&words.fill(&[path])[0]), ended)?,
+        None => Heard::of(&heard, ended),
+    };
     let limiter = Limiter::new(&place.car);
     let rule = Rule { limiter, track: &place.track, latching: place.bench.arming };
     let mut values = heard.values(begins, &passed, &rule);
@@ -197,9 +205,14 @@ fn wait(scenario: &Scenario, driver: &Driver, phase: f64) -> Result<i64> {
     }
 }
 
-/// Does to the processes what the faults say, until the observation ends; how much the memory of
-/// the first of them grew meanwhile. \[MB\]
-fn inject(scenario: &Scenario, programs: &mut [Program], begins: i64) -> Result<f64> {
+/// Does to processes and computer what the faults say, until the observation ends; how much the
+/// memory of the first process grew meanwhile. \[MB\]
+fn inject(
+    scenario: &Scenario,
+    programs: &mut [Program],
+    host: &mut Host,
+    begins: i64,
+) -> Result<f64> {
     let memory = |programs: &[Program]| programs.first().map_or(0.0, Program::resident_mb);
     let (before, mut most) = (memory(programs), 0.0_f64);
     let end = begins + nanoseconds(scenario.observe_s);
@@ -208,6 +221,7 @@ fn inject(scenario: &Scenario, programs: &mut [Program], begins: i64) -> Result<
         let since = now().mono_ns - begins;
         for (fault, done) in scenario.faults.iter().zip(&mut done) {
             let (from, until) = fault.window_ns();
+            host.switch(&fault.action, (from..until).contains(&since))?;
             let (Action::Kill { process } | Action::Stop { process } | Action::Restart { process }) =
                 &fault.action
             else {

@@ -15,6 +15,7 @@ use super::convert;
 use super::guard::Counts;
 use super::outlet::{Identity, Outlet, random};
 use super::pulse::Pulse;
+use super::record::Log;
 use crate::safety::{
     self, Answer, Event, Lapse, Order, OrderKind, Output, Phase, Rules, Safety, Source, decode,
 };
@@ -52,6 +53,8 @@ pub struct Bridge {
     acks: Outlet,
     pulse: Pulse,
     notes: Vec<String>,
+    log: Option<Log>,
+    unsent: u64,
     /// Sender's start and number of the last order, and its answer: said again, it is not obeyed
     /// twice.
     answered: Option<(i64, OperatorAck)>,
@@ -100,18 +103,20 @@ impl Bridge {
             commands,
             others,
             notes,
+            log: None,
+            unsent: 0,
         })
     }
 
+    /// Tells in every life sign what the log behind the network loses.
+    #[must_use]
+    pub fn with_log(mut self, log: Option<Log>) -> Self {
+        self.log = log;
+        self
+    }
+
     /// Runs until `stop` is set; `on_change` hears of every change of state.
-    ///
-    /// # Errors
-    /// If the network refuses a message.
-    pub fn run(
-        &mut self,
-        stop: &AtomicBool,
-        on_change: &mut dyn FnMut(Phase, Lapse),
-    ) -> Result<Bridged> {
+    pub fn run(&mut self, stop: &AtomicBool, on_change: &mut dyn FnMut(Phase, Lapse)) -> Bridged {
         let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
         let (mut due, mut acted) = (Instant::now(), Instant::now());
         let mut last = self.safety.phase();
@@ -121,7 +126,7 @@ impl Bridge {
             while self.listen(due) {
                 // Between two beats: what ends the grant does not wait for the next one.
                 let now = Instant::now().clamp(acted, due);
-                self.act((now - acted).as_secs_f64())?;
+                self.act((now - acted).as_secs_f64());
                 acted = now;
             }
             let late = Instant::now().saturating_duration_since(due);
@@ -130,7 +135,7 @@ impl Bridge {
             self.bridged.ticks += 1;
             self.bridged.missed += u64::from(missed);
             self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
-            self.act((due - acted).as_secs_f64())?;
+            self.act((due - acted).as_secs_f64());
             acted = due;
             let phase = self.safety.phase();
             if phase != last {
@@ -139,7 +144,7 @@ impl Bridge {
             }
         }
         self.bridged.commands = self.safety.counts();
-        Ok(self.bridged)
+        self.bridged
     }
 
     /// Takes in what comes until `due`; true if the car has to be stopped before that.
@@ -182,7 +187,7 @@ impl Bridge {
     }
 
     /// The car moves on by `dt` \[s\], is measured, and gets its next input.
-    fn act(&mut self, dt: f64) -> Result<()> {
+    fn act(&mut self, dt: f64) {
         let held = self.held;
         if self.safety.phase() != Phase::Fault
             && let Err(error) = self.vehicle.apply(held, dt)
@@ -199,8 +204,10 @@ impl Bridge {
         let track = Arc::clone(self.vehicle.track());
         let h = self.states.header();
         let state = convert::state_message(h, meas_ns, &x, output.applied.sent, &track, lap);
-        self.states.send_sealed(&state)?;
-        self.report(&output)
+        // The network may be gone: the car is still there.
+        let sent = self.states.send_sealed(&state);
+        self.unsent += u64::from(sent.is_err());
+        self.report(&output);
     }
 
     fn step(&mut self, event: &Event<'_>) -> Output {
@@ -290,7 +297,7 @@ impl Bridge {
         }
     }
 
-    fn report(&mut self, output: &Output) -> Result<()> {
+    fn report(&mut self, output: &Output) {
         let (cmd_boot_id, cmd_seq) = self.safety.command().unwrap_or_default();
         let report = ActuationReport {
             h: self.reports.header(),
@@ -303,7 +310,8 @@ impl Bridge {
             steer: output.applied.sent.delta,
             crc: 0,
         };
-        self.reports.send_sealed(&report)?;
+        let sent = self.reports.send_sealed(&report);
+        self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
         let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
         let mut detail = self.notes.clone();
@@ -322,6 +330,10 @@ impl Bridge {
         if missed > 0 {
             detail.push(format!("{missed} ticks missed"));
         }
+        if self.unsent > 0 {
+            detail.push(format!("{} messages could not be sent", self.unsent));
+        }
+        detail.extend(self.log.as_ref().and_then(Log::complaint));
         detail.extend(self.refused.clone());
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
         self.pulse.update(|health| {
@@ -330,7 +342,6 @@ impl Bridge {
             health.arm_token = arm_token;
             health.detail = detail.join("; ");
         });
-        Ok(())
     }
 
     /// The car.

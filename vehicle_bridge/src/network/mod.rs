@@ -8,6 +8,7 @@
 pub mod bridge;
 pub mod car;
 pub mod convert;
+pub mod effort;
 pub mod grant;
 pub mod guard;
 pub mod map_file;

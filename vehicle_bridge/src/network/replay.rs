@@ -5,7 +5,7 @@ use std::io::Read;
 
 use anyhow::Result;
 use controller::Controller;
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::{Damage, Reader};
 use lcm_types::{
     ActuationCommand, Checked as _, Message as _, OperatorAck, OperatorCommand, VehicleState,
     channels,
@@ -29,6 +29,8 @@ pub struct Replay {
     pub without_state: u64,
     /// Messages of the two channels that could not be read. \[-\]
     pub unreadable: u64,
+    /// What of the log is no event.
+    pub damage: Damage,
 }
 
 impl Replay {
@@ -56,7 +58,8 @@ pub fn replay(log: impl Read, controller: &mut Controller) -> Result<Replay> {
         found: Replay::default(),
         controller,
     };
-    for event in Reader::new(log) {
+    let mut events = Reader::new(log);
+    for event in events.by_ref() {
         let event = event?;
         match event.channel.as_str() {
             channels::STATE => match VehicleState::open(&event.data) {
@@ -85,7 +88,7 @@ pub fn replay(log: impl Read, controller: &mut Controller) -> Result<Replay> {
             _ => {}
         }
     }
-    Ok(player.found)
+    Ok(Replay { damage: events.damage(), ..player.found })
 }
 
 /// The service's part in a drive, from its messages.

@@ -7,16 +7,18 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use controller::{Command, Controller, Reason};
 use lcm_types::{
-    ActuationCommand, Checked as _, OperatorAck, OperatorCommand, VehicleState, channels,
+    ActuationCommand, Checked as _, Heartbeat, OperatorAck, OperatorCommand, VehicleState, channels,
 };
 use vehicle_model::Input;
 
 use super::convert::{self, Answered, Order};
+use super::effort::{Effort, Overrun};
 use super::grant::Grant;
 use super::guard::{Accepted, Guard};
 use super::operator::{self, Authority};
 use super::outlet::{Identity, Outlet};
 use super::pulse::Pulse;
+use super::record::Log;
 use super::schedule::Schedule;
 use super::store::Store;
 use super::telemetry::{self, LapSeen, Step};
@@ -41,6 +43,10 @@ pub struct ServiceOptions {
     pub valid_for: f64,
     /// What a person should know of this start; goes into every life sign.
     pub notes: Vec<String>,
+    /// The log behind the network; what it loses is in every life sign too.
+    pub log: Option<Log>,
+    /// For the bench: steps that take longer.
+    pub overrun: Option<Overrun>,
 }
 
 /// What a lap was, for who watches.
@@ -66,19 +72,9 @@ pub struct Service {
     track_id: i64,
     seen: LapSeen,
     last: Option<Last>,
-    overruns: i32,
     effort: Effort,
     send_errors: u64,
     save_error: Option<String>,
-}
-
-/// The work so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Effort {
-    /// States answered by a step of the controller. \[-\]
-    pub steps: u64,
-    /// Longest time from a state's arrival to its command. \[s\]
-    pub longest: f64,
 }
 
 /// The last step.
@@ -131,7 +127,6 @@ impl Service {
             track_id: convert::track_id(controller.track()),
             seen: LapSeen::new(key),
             last: None,
-            overruns: 0,
             effort: Effort::default(),
             send_errors: 0,
             save_error: None,
@@ -236,17 +231,20 @@ impl Service {
         let measurement = convert::measurement(pose, time_ns, period, applied);
         let mut stopwatch = Stopwatch::start();
         let command = self.controller.step_probed(&measurement, &mut stopwatch);
+        self.options.overrun.iter().for_each(|overrun| overrun.wait(self.effort.steps));
         let time = stopwatch.stop();
         let cap = self.authority.speed_cap;
         let input = operator::capped(command.input, state.vx, cap, &self.controller);
         let cut = input != command.input;
         self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
-        self.command(answered, ActuationCommand::MODE_DRIVE);
-        let total = (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
-        self.overruns += i32::from(total > period);
-        self.effort.steps += 1;
+        let elapsed = || (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
+        if self.effort.step(elapsed() > period) {
+            self.authority.state = Heartbeat::SAFE_STOP;
+        }
+        self.command(answered, self.authority.mode());
+        let total = elapsed();
         self.effort.longest = self.effort.longest.max(total);
-        let (state_seq, overruns) = (answered.seq, self.overruns);
+        let (state_seq, overruns) = (answered.seq, self.effort.overruns);
         self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
     }
 
@@ -350,18 +348,18 @@ impl Service {
     }
 
     fn report(&mut self) {
-        if let Some(error) = self.store.as_ref().and_then(Store::error) {
-            self.save_error = Some(error);
+        if let Some(outcome) = self.store.as_ref().and_then(Store::outcome) {
+            self.save_error = outcome;
         }
         let (state, counts) = (self.authority.state, self.guard.counts);
-        let mut detail = self.options.notes.clone();
-        if self.overruns > 0 {
-            detail.push(format!("{} steps took longer than a period", self.overruns));
-        }
+        let mut detail = vec![format!("{} laps learned", self.controller.laps().len())];
+        detail.extend(self.options.notes.iter().cloned());
+        detail.extend(self.effort.complaint());
         if self.send_errors > 0 {
             detail.push(format!("{} messages could not be sent", self.send_errors));
         }
         detail.extend(self.save_error.clone());
+        detail.extend(self.options.log.as_ref().and_then(Log::complaint));
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
@@ -369,10 +367,10 @@ impl Service {
         });
     }
 
-    /// The work so far, and how many steps took longer than a period.
+    /// The work so far.
     #[must_use]
-    pub fn effort(&self) -> (Effort, i32) {
-        (self.effort, self.overruns)
+    pub fn effort(&self) -> Effort {
+        self.effort
     }
 
     /// The controller.

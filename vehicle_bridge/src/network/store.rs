@@ -1,19 +1,23 @@
 //! Learned data to disk after every lap, on a thread of its own: the loop never waits for a disk.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
 
 use crate::race::learned;
 
+/// How long after a failure the next attempt.
+const RETRY: Duration = Duration::from_secs(1);
+
 /// The writing thread.
 pub struct Store {
     path: PathBuf,
     queue: Option<Sender<Vec<u8>>>,
-    errors: Receiver<String>,
+    outcomes: Receiver<Option<String>>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -36,13 +40,13 @@ impl Store {
             learned::load(&before, controller)?;
         }
         let (queue, saves) = channel();
-        let (tell, errors) = channel();
+        let (tell, outcomes) = channel();
         let file = path.to_owned();
         let thread = std::thread::Builder::new()
             .name("lmpc-store".to_owned())
             .spawn(move || save_all(&file, &saves, &tell))
             .context("cannot start the thread that saves")?;
-        Ok(Self { path: path.to_owned(), queue: Some(queue), errors, thread: Some(thread) })
+        Ok(Self { path: path.to_owned(), queue: Some(queue), outcomes, thread: Some(thread) })
     }
 
     /// The file.
@@ -59,10 +63,10 @@ impl Store {
         }
     }
 
-    /// The next failure to save, in words.
+    /// How the last save since the question before ended: `Some(None)` is well, else why not.
     #[must_use]
-    pub fn error(&self) -> Option<String> {
-        self.errors.try_recv().ok()
+    pub fn outcome(&self) -> Option<Option<String>> {
+        self.outcomes.try_iter().last()
     }
 }
 
@@ -76,12 +80,53 @@ impl Drop for Store {
     }
 }
 
-fn save_all(path: &Path, saves: &Receiver<Vec<u8>>, errors: &Sender<String>) {
-    while let Ok(bytes) = saves.recv() {
-        // Of several that wait only the newest counts.
-        let newest = saves.try_iter().last().unwrap_or(bytes);
-        if let Err(error) = learned::write(path, &newest) {
-            let _ = errors.send(format!("cannot save {}: {error}", path.display()));
+fn save_all(path: &Path, saves: &Receiver<Vec<u8>>, tell: &Sender<Option<String>>) {
+    let mut unsaved: Option<Vec<u8>> = None;
+    loop {
+        // What could not be saved is tried again: the disk may have room then.
+        let patience = if unsaved.is_some() { RETRY } else { Duration::MAX };
+        let next = saves.recv_timeout(patience);
+        if let Ok(bytes) = &next {
+            // Of several that wait only the newest counts.
+            unsaved = Some(saves.try_iter().last().unwrap_or_else(|| bytes.clone()));
         }
+        if let Some(bytes) = &unsaved {
+            let failure = learned::write(path, bytes).err();
+            let said =
+                failure.as_ref().map(|error| format!("cannot save {}: {error}", path.display()));
+            let _ = tell.send(said); // nobody listens after the end
+            if failure.is_none() {
+                unsaved = None;
+            }
+        }
+        if next == Err(RecvTimeoutError::Disconnected) {
+            break;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+
+    use super::*;
+
+    #[test]
+    fn what_could_not_be_saved_is_saved_once_it_can_be() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("learned.lmpc");
+        // A folder where the new file is to be written.
+        let obstacle = folder.path().join("learned.lmpc.new");
+        std::fs::create_dir(&obstacle).unwrap();
+        let ((queue, saves), (tell, outcomes)) = (channel(), channel());
+        let path = file.clone();
+        let thread = std::thread::spawn(move || save_all(&path, &saves, &tell));
+        queue.send(b"laps".to_vec()).unwrap();
+        assert!(outcomes.recv().unwrap().unwrap().contains("cannot save"));
+        std::fs::remove_dir(&obstacle).unwrap();
+        while outcomes.recv().unwrap().is_some() {}
+        assert_eq!(std::fs::read(&file).unwrap(), b"laps");
+        drop(queue);
+        thread.join().unwrap();
     }
 }
