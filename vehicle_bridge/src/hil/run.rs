@@ -31,6 +31,15 @@ const LOOK: Duration = Duration::from_millis(2);
 const PHASE: f64 = 0.1;
 /// Messages of a run on the car's side. \[-\]
 const HEARD: usize = 1 << 16;
+/// Channels of which something is measured.
+const CHANNELS: [&str; 6] = [
+    channels::ACTUATION,
+    channels::STATE,
+    channels::OPERATOR_ACK,
+    channels::TELEMETRY,
+    "HB/bridge",
+    "HB/lmpc",
+];
 /// Positions this near to the one asked for count. \[m\]
 const NEAR: f64 = 1.0;
 
@@ -117,8 +126,7 @@ fn drive(
     let options = |url: &str| Url::parse(url)?.udpm_options();
     let heard = Inbox::queue(HEARD);
     let observer = join(car_url)?;
-    let names = [channels::ACTUATION, channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
-    observer.subscribe(Filter::Only(names.map(str::to_owned).to_vec()), heard.sink())?;
+    observer.subscribe(Filter::Only(CHANNELS.map(str::to_owned).to_vec()), heard.sink())?;
     let start = Arc::new(AtomicI64::new(i64::MAX));
     let proxy =
         Proxy::start((&options(control_url)?, &options(car_url)?), &scenario.faults, &start, seed)?;
