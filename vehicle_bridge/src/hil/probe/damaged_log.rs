@@ -22,6 +22,8 @@ use crate::transport;
 /// Periods driven.
 const STEPS: &str = "60";
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Channel to wake the recorder on.
+const READY: &str = "BENCH/READY";
 /// Exit codes from here on are no answer: a panic, a signal.
 const CRASHED: i32 = 101;
 
@@ -49,10 +51,16 @@ pub(super) fn run(dir: &Path, seed: u64, url: &str) -> Result<Measured> {
 fn drive(log: &Path, url: &str) -> Result<()> {
     let network = transport::open(url, None)?;
     let stop = Arc::new(AtomicBool::new(false));
-    let (ended, file) = (Arc::clone(&stop), log.to_owned());
-    let recorder = std::thread::spawn(move || record::record(&network, &file, &ended, &mut |_| {}));
+    let (ended, file, recorded) = (Arc::clone(&stop), log.to_owned(), Arc::clone(&network));
+    let recorder =
+        std::thread::spawn(move || record::record(&recorded, &file, &ended, &mut |_| {}));
     let begun = Instant::now();
-    while !log.exists() && !recorder.is_finished() && begun.elapsed() < PATIENCE {
+    // It records once it hears this.
+    while fs::metadata(log).map_or(0, |file| file.len()) == 0 {
+        if recorder.is_finished() || begun.elapsed() > PATIENCE {
+            bail!("the recorder hears nothing");
+        }
+        network.publish(READY, &[])?;
         std::thread::sleep(Duration::from_millis(5));
     }
     let mut serve = start(&["serve", "--url", url])?;
