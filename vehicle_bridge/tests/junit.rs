@@ -11,7 +11,7 @@ use roxmltree::{Document, Node};
 type Rule =
     (&'static str, &'static [&'static str], &'static [&'static str], &'static [&'static str]);
 
-const RULES: [Rule; 4] = [
+const RULES: [Rule; 5] = [
     ("testsuites", &["testsuite"], &[], &["name", "time", "tests", "failures", "errors"]),
     (
         "testsuite",
@@ -20,7 +20,8 @@ const RULES: [Rule; 4] = [
         // Surefire wants these two as well.
         &["time", "skipped"],
     ),
-    ("testcase", &["failure"], &["name"], &["time", "classname"]),
+    ("testcase", &["failure", "system-out"], &["name"], &["time", "classname"]),
+    ("system-out", &[], &[], &[]),
     ("failure", &[], &[], &["type", "message"]),
 ];
 
