@@ -101,7 +101,11 @@ fn a_program_is_judged_by_what_it_prints_and_how_it_ends() {
     }
     let mixed = format!("processes = [\"car\"]\n{good}");
     let observed = "says = [\"x\"]\n[[scenario.expect]]\nmeasure = \"trps\"\nmost = 0\n";
-    for (text, problems) in [(mixed.as_str(), 2), (observed, 2)] {
+    let no_room = format!("disk_mb = 0\n{good}");
+    let no_disk = format!("{good}[[scenario.fault]]\naction = {{ fill_disk = {{}} }}\n");
+    for (text, problems) in
+        [(mixed.as_str(), 2), (observed, 2), (no_room.as_str(), 1), (no_disk.as_str(), 2)]
+    {
         let found = check_file(&program("program-wrong.toml", text)).problems;
         assert_eq!(found.len(), problems, "{found:?}");
     }
