@@ -73,6 +73,15 @@ fn mistakes_in_a_bench_are_named() {
     assert!(problems.len() == 2 && text.contains("`cra`") && text.contains("least 2"), "{text}");
 }
 
+#[test]
+fn damaged_logs_and_killed_savers_and_a_missing_route_do_no_harm() {
+    let names = ["log cut", "kills while", "no multicast route"];
+    let more: Vec<&str> = names.iter().flat_map(|name| ["--scenario", name]).collect();
+    let (output, _) = run(&bench("host.toml"), "hil-host", &more);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.ends_with("PASS\n"), "{text} {output:?}");
+}
+
 /// A bench of one scenario that is a program.
 fn program(name: &str, scenario: &str) -> PathBuf {
     let text = std::fs::read_to_string(bench("host.toml")).unwrap();
