@@ -37,7 +37,7 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
     let total: u32 = bench.scenarios.iter().map(|scenario| bench.repeats(scenario)).sum();
     let mut count = 0;
     let jobs = args.jobs as usize;
-    let verdicts = execute(&bench, std::env::current_exe()?, jobs, |scenario, run| {
+    let (verdicts, stood) = execute(&bench, std::env::current_exe()?, jobs, |scenario, run| {
         count += 1;
         for disturbed in &run.disturbed {
             talk.say(&format!("{}, seed {}, repeated: {disturbed}", scenario.name, run.seed));
@@ -55,6 +55,13 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
         let path = args.out.join(name);
         std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
     };
+    if stood.times > 0 {
+        talk.say(&format!(
+            "the computer stood still {} times for more than 5 ms, at most {:.1} ms",
+            stood.times,
+            stood.longest * 1e3
+        ));
+    }
     write("junit.xml", verdict::junit(&bench, &verdicts))?;
     write("verdict.html", verdict::page(&bench, &verdicts))?;
     say(&verdicts, args)

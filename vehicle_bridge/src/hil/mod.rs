@@ -36,6 +36,7 @@ use anyhow::Result;
 pub use bench::Bench;
 pub use observe::Point;
 pub use run::Outcome;
+pub use stall::Stood;
 pub use verdict::Verdict;
 
 use driver::{Driver, Task};
@@ -48,7 +49,8 @@ use crate::race::load;
 const PORTS: u16 = 17_000;
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Runs every scenario of a bench, `jobs` runs at a time; `done` sees each run.
+/// Runs every scenario of a bench, `jobs` runs at a time; `done` sees each run. Tells too how the
+/// computer itself ran.
 ///
 /// # Errors
 /// If car or track cannot be loaded, or `done` fails.
@@ -57,7 +59,7 @@ pub fn execute<'b>(
     lmpc: PathBuf,
     jobs: usize,
     mut done: impl FnMut(&bench::Scenario, &Outcome) -> Result<()>,
-) -> Result<Vec<Verdict<'b>>> {
+) -> Result<(Vec<Verdict<'b>>, Stood)> {
     let (car, track) = (load::car(&bench.car)?, load::track(&bench.track)?);
     let place = run::Place { bench, car, track: Arc::clone(&track), lmpc };
     let watch = Watch::start()?;
@@ -95,7 +97,7 @@ pub fn execute<'b>(
     for verdict in &mut verdicts {
         verdict.runs.sort_by_key(|run| run.seed);
     }
-    Ok(verdicts)
+    Ok((verdicts, watch.stalls()))
 }
 
 /// Commands a car like the bench does, as a program of its own, until `stop` is set.

@@ -23,6 +23,15 @@ const LIMIT_NS: i64 = 5_000_000;
 /// Begin and length of a stall. \[ns, ns\]
 type Stalls = Arc<Mutex<Vec<(i64, i64)>>>;
 
+/// How the computer itself ran meanwhile.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stood {
+    /// Times a processor stood still for more than 5 ms. \[-\]
+    pub times: usize,
+    /// The longest of them. \[s\]
+    pub longest: f64,
+}
+
 /// Counts stalls until it is dropped.
 pub(super) struct Watch {
     stalls: Stalls,
@@ -73,6 +82,13 @@ impl Watch {
             let (stall, broken) = (stall_ns as f64 * 1e-6, outcome.broken.join("; "));
             disturbed.push(format!("the computer stood still for {stall:.1} ms: {broken}"));
         }
+    }
+
+    /// All of them so far.
+    pub(super) fn stalls(&self) -> Stood {
+        let stalls = self.stalls.lock().unwrap_or_else(PoisonError::into_inner);
+        let longest = stalls.iter().map(|(_, late)| *late).max().unwrap_or(0);
+        Stood { times: stalls.len(), longest: longest as f64 * 1e-9 }
     }
 
     /// The longest stall since `from_ns`, if there was one. \[ns\]

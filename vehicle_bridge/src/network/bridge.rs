@@ -200,6 +200,7 @@ impl Bridge {
         self.step(&Event::State(x, 2));
         let output = self.step(&Event::Tick);
         (self.held, self.source) = (output.applied.sent, output.source);
+        self.report(&output);
         let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
         let track = Arc::clone(self.vehicle.track());
         let h = self.states.header();
@@ -207,7 +208,6 @@ impl Bridge {
         // The network may be gone: the car is still there.
         let sent = self.states.send_sealed(&state);
         self.unsent += u64::from(sent.is_err());
-        self.report(&output);
     }
 
     fn step(&mut self, event: &Event<'_>) -> Output {
