@@ -20,6 +20,7 @@ pub mod report;
 pub mod safety;
 pub mod settings;
 pub mod study;
+pub mod top;
 pub mod transport;
 pub mod vehicle;
 mod worker;

@@ -82,7 +82,8 @@ impl Limiter {
     pub fn limit(&self, asked: Input, before: Input, v_x: f64, dt: f64) -> Limited {
         let mut bits = 0;
         let mut bound = |value: f64, least: f64, most: f64, limit: Limit| {
-            let bounded = clamp(value, least, most);
+            // Has an answer for crossed bounds, and none for bounds that are no numbers.
+            let bounded = value.max(least).min(most);
             if (bounded - value).abs() > TOLERANCE {
                 bits |= limit as i32;
             }
@@ -108,17 +109,6 @@ impl Limiter {
             bits |= Limit::NotFinite as i32;
         }
         Limited { asked, sent: Input { a, delta }, bits }
-    }
-}
-
-/// `f64::clamp` that has an answer for crossed bounds too.
-fn clamp(value: f64, least: f64, most: f64) -> f64 {
-    if value < least {
-        least
-    } else if value > most {
-        most
-    } else {
-        value
     }
 }
 
@@ -166,6 +156,13 @@ mod tests {
             assert!((got.sent.delta - sent.delta).abs() < 1e-12, "{got:?}");
             assert_eq!(got.bits, bits, "{got:?}");
         }
+    }
+
+    #[test]
+    fn less_than_the_tolerance_is_no_clipping() {
+        let limiter = Limiter { a_max: 0.0, a_rate_max: f64::INFINITY, ..LIMITER };
+        let bits = |a: f64| limiter.limit(Input { a, delta: 0.0 }, Input::default(), 0.0, 0.1).bits;
+        assert_eq!((bits(TOLERANCE), bits(1.01 * TOLERANCE)), (0, 0x04));
     }
 
     #[test]

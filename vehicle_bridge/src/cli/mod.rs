@@ -7,6 +7,7 @@ mod network;
 mod operator;
 mod race;
 mod study;
+mod top;
 mod vehicle;
 
 use std::path::PathBuf;
@@ -22,6 +23,7 @@ pub use network::{
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{StudyArgs, StudyName};
+pub use top::TopArgs;
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
 
 const EXIT_CODES: &str = "\
@@ -63,6 +65,8 @@ pub enum Command {
     Bridge(Box<BridgeArgs>),
     /// Give an order to bridge and controller
     Operator(OperatorArgs),
+    /// See the whole network at a terminal: car, states, rates, ages, step times
+    Top(TopArgs),
     /// Write everything said on an LCM network to a log
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands

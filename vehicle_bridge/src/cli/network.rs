@@ -33,7 +33,7 @@ programs must be given the same car, track and configuration.";
 #[derive(Debug, Args)]
 pub struct NetworkArgs {
     /// LCM network; by default that of LCM_DEFAULT_URL, else LCM's usual group on this host
-    #[arg(long, value_name = "URL")]
+    #[arg(long, value_name = "URL", global = true)]
     pub url: Option<String>,
 }
 

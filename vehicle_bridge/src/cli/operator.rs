@@ -44,11 +44,13 @@ const OPERATOR_EXAMPLES: &str = "\
 Examples:
   lmpc operator arm
   lmpc operator start
+  lmpc operator start --deadman              drives until Ctrl-C, Ctrl-D, or this program dies
   lmpc operator speed-cap 2.5
   lmpc operator estop
 
 Each order is said every 10 ms, an emergency stop three times, until it is answered. Exit code 1
-if it is refused, with the reason, or if nobody answers within 3 s.";
+if it is refused, with the reason, or if nobody answers within 3 s; 3 if the bridge ends a drive
+with the dead man's switch held.";
 
 /// Options of `lmpc operator`.
 #[derive(Debug, Args)]
@@ -78,6 +80,10 @@ pub enum OperatorOrder {
         /// The grant; by default the one the bridge says
         #[arg(long, value_name = "TOKEN")]
         token: Option<i64>,
+        /// Hold the dead man's switch until Ctrl-C or the end of standard input: the car drives as
+        /// long as this program runs
+        #[arg(long)]
+        deadman: bool,
     },
     /// Stop safely; driving again needs a new `arm`
     Stop,

@@ -12,6 +12,7 @@ mod race_table;
 mod seeds;
 mod setup;
 mod study;
+mod top;
 mod vehicle;
 
 use anyhow::Result;
@@ -60,7 +61,8 @@ pub fn run(cli: Cli) -> Result<Outcome> {
             Vehicle::Inspect(args) => vehicle::inspect(&args),
         },
         Command::Bridge(args) => operator::bridge(&args, talk),
-        Command::Operator(args) => operator::operator(&args),
+        Command::Operator(args) => operator::operator(&args, talk),
+        Command::Top(args) => top::run(&args, talk),
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Export(args) => export::run(&args, talk),

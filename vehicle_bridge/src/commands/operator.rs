@@ -1,9 +1,11 @@
 //! `lmpc bridge` and `lmpc operator`.
 
+use std::io;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use anyhow::Result;
-use lcm_types::{Heartbeat, OperatorCommand};
+use lcm_types::OperatorCommand;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{connect, logged, on_signal, real_time};
@@ -11,8 +13,10 @@ use super::{Outcome, setup};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
 use crate::network::bridge::Bridge;
-use crate::network::{convert, operator_client};
+use crate::network::convert;
+use crate::network::operator_client::{Answered, Held, Operator};
 use crate::safety::{Lapse, Rules};
+use crate::top::state_name;
 
 /// Runs the bridge until Ctrl-C.
 pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
@@ -54,20 +58,51 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// Gives an order.
-pub(super) fn operator(args: &OperatorArgs) -> Result<Outcome> {
+pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
+    let mut held = false;
     let (command, value, arm_token) = match args.order {
         OperatorOrder::Arm { moving } => (OperatorCommand::ARM, f64::from(u8::from(moving)), 0),
         OperatorOrder::Disarm => (OperatorCommand::DISARM, 0.0, 0),
-        OperatorOrder::Start { token } => (OperatorCommand::START, 0.0, token.unwrap_or(0)),
+        OperatorOrder::Start { token, deadman } => {
+            held = deadman;
+            (OperatorCommand::START, 0.0, token.unwrap_or(0))
+        }
         OperatorOrder::Stop => (OperatorCommand::STOP, 0.0, 0),
         OperatorOrder::Estop => (OperatorCommand::ESTOP, 0.0, 0),
         OperatorOrder::Reset => (OperatorCommand::ESTOP_RESET, 0.0, 0),
         OperatorOrder::SpeedCap { value } => (OperatorCommand::SET_SPEED_CAP, value, 0),
     };
     let (network, _) = connect(&args.network.url(), false)?;
-    let order = OperatorCommand { command, value, arm_token, ..OperatorCommand::default() };
+    let mut order = OperatorCommand { command, value, arm_token, ..OperatorCommand::default() };
+    let mut operator = Operator::new(&network)?;
+    if !held {
+        return show(&operator.give(&mut order)?);
+    }
+    let release = on_signal()?;
+    let closed = Arc::clone(&release);
+    std::thread::Builder::new().name("lmpc-stdin".to_owned()).spawn(move || {
+        // Whatever is typed: its end lets go, as a broken terminal does.
+        let _ = io::copy(&mut io::stdin(), &mut io::sink());
+        closed.store(true, Ordering::Relaxed);
+    })?;
+    let end = operator.hold(order, &release, &mut |answers| {
+        show(answers)?;
+        talk.say("the dead man's switch is held; Ctrl-C or the end of the input lets go");
+        Ok(())
+    })?;
+    match end {
+        Held::Refused(answers) | Held::Released(answers) => show(&answers),
+        Held::Ended(Answered { who, ack }) => {
+            complain(&format!("{who} ended the drive, it is in state {}", state_name(ack.state)));
+            Ok(Outcome::Degraded)
+        }
+    }
+}
+
+/// Prints answers.
+fn show(answers: &[Answered]) -> Result<Outcome> {
     let mut refused = false;
-    for answer in operator_client::give(&network, order)? {
+    for answer in answers {
         let state = state_name(answer.ack.state);
         if answer.ack.accepted {
             result(&format!("{}: {state}", answer.who))?;
@@ -77,17 +112,4 @@ pub(super) fn operator(args: &OperatorArgs) -> Result<Outcome> {
         }
     }
     Ok(if refused { Outcome::Problems } else { Outcome::Done })
-}
-
-fn state_name(state: i8) -> &'static str {
-    match state {
-        Heartbeat::BOOT => "BOOT",
-        Heartbeat::IDLE => "IDLE",
-        Heartbeat::ARMED => "ARMED",
-        Heartbeat::RUNNING => "RUNNING",
-        Heartbeat::SAFE_STOP => "SAFE_STOP",
-        Heartbeat::FAULT => "FAULT",
-        Heartbeat::ESTOP => "ESTOP",
-        _ => "unknown",
-    }
 }

@@ -13,6 +13,7 @@ use vehicle_model::Input;
 
 use super::convert;
 use super::guard::Counts;
+use super::orders::{Heard, Orders};
 use super::outlet::{Identity, Outlet, random};
 use super::pulse::Pulse;
 use super::record::Log;
@@ -24,8 +25,6 @@ use crate::vehicle::Vehicle;
 
 /// Messages of each kind that may wait. \[-\]
 const WAITING: usize = 1024;
-/// An order that waited longer is not obeyed, but for an emergency stop. \[ns\]
-const ORDER_AGE_NS: i64 = 1_000_000_000;
 
 /// How the bridge ran.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -55,9 +54,7 @@ pub struct Bridge {
     notes: Vec<String>,
     log: Option<Log>,
     unsent: u64,
-    /// Sender's start and number of the last order, and its answer: said again, it is not obeyed
-    /// twice.
-    answered: Option<(i64, OperatorAck)>,
+    desk: Orders,
     refused: Option<String>,
     /// What the car was told at the last tick.
     held: Input,
@@ -92,7 +89,7 @@ impl Bridge {
             acks: Outlet::new(network, &identity, channels::OPERATOR_ACK),
             pulse: Pulse::start(network, &identity, "bridge", None)?,
             safety: Safety::default(),
-            answered: None,
+            desk: Orders::new(&host),
             refused: None,
             held: Input::default(),
             source: Source::None,
@@ -248,25 +245,23 @@ impl Bridge {
     }
 
     fn order(&mut self, received: &Received) {
-        let Ok(order) = OperatorCommand::open(&received.payload) else { return };
-        let estop = order.command == OperatorCommand::ESTOP;
-        let age_ns = transport::now().mono_ns.saturating_sub(received.arrival.mono_ns);
-        if age_ns > ORDER_AGE_NS && !estop {
-            return;
-        }
-        let again = self.answered.as_ref().filter(|(boot_id, ack)| {
-            (*boot_id, ack.request_id) == (order.h.boot_id, order.request_id)
-        });
-        let held = order.deadman && order.command == OperatorCommand::START;
-        let ack = match again {
-            Some((_, ack)) if !(estop || held && ack.accepted) => {
-                OperatorAck { h: self.acks.header(), ..ack.clone() }
+        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let Some(heard) = self.desk.hear(&received.payload, times) else { return };
+        let (boot_id, ack) = match heard {
+            Heard::New(order) => (order.h.boot_id, self.obey(&order)),
+            // A dead man's switch is held by saying so.
+            Heard::Again(order, ack)
+                if ack.accepted && order.deadman && order.command == OperatorCommand::START =>
+            {
+                (order.h.boot_id, self.obey(&order))
             }
-            _ => self.obey(&order),
+            Heard::Again(order, ack) => {
+                (order.h.boot_id, OperatorAck { h: self.acks.header(), ..ack })
+            }
         };
         // What the network refuses is asked again.
         let _ = self.acks.send(&ack);
-        self.answered = Some((order.h.boot_id, ack));
+        self.desk.answered(boot_id, &ack);
     }
 
     fn obey(&mut self, order: &OperatorCommand) -> OperatorAck {

@@ -36,7 +36,8 @@ pub struct Counts {
 pub struct Guard {
     /// Oldest message believed. \[ns\]
     pub max_age_ns: i64,
-    /// A new sender, or a sender started again, is believed after this silence. \[ns\]
+    /// A new sender, or a sender started again, is believed after this silence. Only where there is
+    /// no bridge: there a controller's start is believed by its grant (`docs/safety.md`). \[ns\]
     pub silence_ns: i64,
     /// Name of this host, as in the end of `sender`: its clock is ours.
     pub host: String,

@@ -16,6 +16,8 @@ use crate::mapping::{Drive, Mapping};
 use crate::transport::{self, Filter, Inbox, Received, Transport};
 
 const SILENCE_NS: i64 = 1_000_000_000;
+/// Slower than this, the car stands. \[m/s\]
+const STILL: f64 = 0.1;
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(20);
 /// At the end the stop is said this often: one may be lost. \[-\]
@@ -47,6 +49,10 @@ pub struct MappedCar {
     reports: Outlet,
     pulse: Pulse,
     boot_id: i64,
+    /// Whether the car moves, by its last state.
+    moves: bool,
+    /// Start of the controller obeyed so far.
+    obeyed: Option<i64>,
     /// The command in force and when it came.
     command: Option<(ActuationCommand, Instant)>,
     source: i8,
@@ -73,6 +79,8 @@ impl MappedCar {
             reports: Outlet::new(network, &identity, channels::ACTUATION),
             pulse: Pulse::start(network, &identity, "car", None)?,
             boot_id: identity.boot_id,
+            moves: false,
+            obeyed: None,
             network: Arc::clone(network),
             command: None,
             source: ActuationReport::default().source,
@@ -131,6 +139,7 @@ impl MappedCar {
     fn tell(&mut self, received: &Received) -> Result<()> {
         let taken = self.mapping.take(&received.channel, &received.payload, received.arrival);
         if let Some(mut state) = taken {
+            self.moves = state.vx.hypot(state.vy) >= STILL;
             state.h = self.states.header();
             self.states.send_sealed(&state)?;
             self.bridged.states += 1;
@@ -142,15 +151,21 @@ impl MappedCar {
     fn obey(&mut self, received: &Received) -> bool {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
         let (car, boot_id) = (&self.car, self.boot_id);
+        // There is nobody to arm it: a controller that started anew gets the car at standstill.
+        let (moves, obeyed) = (self.moves, self.obeyed);
+        let welcome = |boot_id| !moves || obeyed.is_none_or(|obeyed| obeyed == boot_id);
         let sane = |c: &ActuationCommand| {
             let drives = c.enable && c.mode == ActuationCommand::MODE_DRIVE;
-            (!drives || c.state_boot_id == boot_id)
+            (!drives || c.state_boot_id == boot_id && welcome(c.h.boot_id))
                 && (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)
                 && c.steer.abs() <= car.delta_max + 1e-6
                 && c.plan_accel.iter().chain(&c.plan_steer).all(|u| u.is_finite())
         };
         let checked = self.guard.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
         let Ok(Accepted { message, .. }) = checked else { return false };
+        if message.enable && message.mode == ActuationCommand::MODE_DRIVE {
+            self.obeyed = Some(message.h.boot_id);
+        }
         self.command = Some((message, Instant::now()));
         true
     }

@@ -15,6 +15,7 @@ pub mod map_file;
 pub mod mapped_car;
 pub mod operator;
 pub mod operator_client;
+pub mod orders;
 pub mod outlet;
 pub mod pulse;
 pub mod realtime;

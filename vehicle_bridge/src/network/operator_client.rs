@@ -1,6 +1,8 @@
-//! An operator's order: said until everybody it concerns has answered.
+//! An operator's order: said until everybody it concerns has answered, or as long as a dead man's
+//! switch is held.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
@@ -27,79 +29,164 @@ pub struct Answered {
     pub ack: OperatorAck,
 }
 
-/// What was heard so far.
-#[derive(Default)]
-struct Heard {
+/// How a dead man's switch came to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Held {
+    /// The START was refused by somebody.
+    Refused(Vec<Answered>),
+    /// It was let go, and these answered the STOP.
+    Released(Vec<Answered>),
+    /// The bridge stopped by itself, and says so.
+    Ended(Answered),
+}
+
+/// An operator at the network: one start of a program.
+pub struct Operator {
+    inbox: Inbox,
+    outlet: Outlet,
+    bridge_channel: String,
+    service_channel: String,
+    /// The grant the bridge says.
     bridge: Option<i64>,
     service: bool,
-    acks: Vec<Answered>,
+    begun: Instant,
 }
 
-impl Heard {
-    fn answered(&self, who: &str) -> bool {
-        self.acks.iter().any(|answer| answer.who == who)
+impl Operator {
+    /// Begins to listen.
+    ///
+    /// # Errors
+    /// If the network refuses the subscription.
+    pub fn new(network: &Arc<dyn Transport>) -> Result<Self> {
+        let inbox = Inbox::queue(256);
+        let life = |name: &str| format!("{}{name}", channels::HEARTBEAT);
+        let (bridge_channel, service_channel) = (life("bridge"), life("lmpc"));
+        let names =
+            [channels::OPERATOR_ACK, &bridge_channel, &service_channel].map(str::to_owned).to_vec();
+        network.subscribe(Filter::Only(names), inbox.sink())?;
+        let outlet = Outlet::new(network, &Identity::new("operator"), channels::OPERATOR);
+        let begun = Instant::now();
+        let (bridge, service) = (None, false);
+        Ok(Self { inbox, outlet, bridge_channel, service_channel, bridge, service, begun })
     }
-}
 
-/// Gives an order and waits for its answers. START without a token takes the one the bridge says.
-///
-/// # Errors
-/// If nobody answers, or the network refuses it.
-pub fn give(network: &Arc<dyn Transport>, mut order: OperatorCommand) -> Result<Vec<Answered>> {
-    let inbox = Inbox::queue(256);
-    let (bridge, service) =
-        (format!("{}bridge", channels::HEARTBEAT), format!("{}lmpc", channels::HEARTBEAT));
-    let names = vec![channels::OPERATOR_ACK.to_owned(), bridge.clone(), service.clone()];
-    network.subscribe(Filter::Only(names), inbox.sink())?;
-    let mut outlet = Outlet::new(network, &Identity::new("operator"), channels::OPERATOR);
-    order.request_id = random();
-    let begun = Instant::now();
-    let mut heard = Heard::default();
-    let estop = order.command == OperatorCommand::ESTOP;
-    let for_bridge = matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM);
-    let needs_token = order.command == OperatorCommand::START && order.arm_token == 0;
-    let mut next = begun;
-    while begun.elapsed() < PATIENCE {
-        if needs_token && let Some(token) = heard.bridge {
-            order.arm_token = token;
-        }
-        if !needs_token || heard.bridge.is_some() || begun.elapsed() > LOOK {
-            for _ in 0..if estop { ESTOP_TIMES } else { 1 } {
-                order.h = outlet.header();
-                outlet.send_sealed(&order)?;
-            }
-        }
-        next += REPEAT;
-        while let Some(received) = inbox.wait_until(next) {
-            if received.channel == bridge {
+    /// Says an order once.
+    fn say(&mut self, order: &mut OperatorCommand) -> Result<()> {
+        order.h = self.outlet.header();
+        self.outlet.send_sealed(order)
+    }
+
+    /// The answers to an order that come until `deadline`.
+    fn listen(&mut self, deadline: Instant, request_id: i64, heard: &mut dyn FnMut(Answered)) {
+        while let Some(received) = self.inbox.wait_until(deadline) {
+            if received.channel == self.bridge_channel {
                 if let Ok(beat) = Heartbeat::decode(&received.payload) {
-                    heard.bridge = Some(beat.arm_token);
+                    self.bridge = Some(beat.arm_token);
                 }
-            } else if received.channel == service {
-                heard.service = true;
+            } else if received.channel == self.service_channel {
+                self.service = true;
             } else if let Ok(ack) = OperatorAck::decode(&received.payload) {
                 let who = ack.h.sender.split('@').next().unwrap_or_default().to_owned();
-                if ack.request_id == order.request_id && !heard.answered(&who) {
-                    heard.acks.push(Answered { who, ack });
+                if ack.request_id == request_id {
+                    heard(Answered { who, ack });
                 }
             }
         }
-        let served = for_bridge || !heard.service || heard.answered("lmpc");
-        let bridged = heard.bridge.is_none() || heard.answered("bridge");
-        if !heard.acks.is_empty() && served && bridged && begun.elapsed() > LOOK {
-            break;
-        }
-        // A refusal is final, and an emergency stop that the bridge heard has happened.
-        let settled = |a: &Answered| a.who == "bridge" && (estop || !a.ack.accepted);
-        if heard.acks.iter().any(settled) {
-            break;
-        }
     }
-    if heard.acks.is_empty() {
-        bail!(
-            "nobody answered within {} s: is `lmpc bridge` or `lmpc serve` running on this network?",
-            PATIENCE.as_secs()
-        );
+
+    /// Gives an order and waits for its answers. START without a token takes the one the bridge
+    /// says.
+    ///
+    /// # Errors
+    /// If nobody answers, or the network refuses it.
+    pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<Answered>> {
+        order.request_id = random();
+        let begun = Instant::now();
+        let estop = order.command == OperatorCommand::ESTOP;
+        let for_bridge = matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM);
+        let needs_token = order.command == OperatorCommand::START && order.arm_token == 0;
+        let mut next = begun;
+        let mut acks: Vec<Answered> = Vec::new();
+        while begun.elapsed() < PATIENCE {
+            let looked = self.begun.elapsed() > LOOK;
+            if needs_token && let Some(token) = self.bridge {
+                order.arm_token = token;
+            }
+            if !needs_token || self.bridge.is_some() || looked {
+                for _ in 0..if estop { ESTOP_TIMES } else { 1 } {
+                    self.say(order)?;
+                }
+            }
+            next += REPEAT;
+            self.listen(next, order.request_id, &mut |answer| {
+                if acks.iter().all(|known| known.who != answer.who) {
+                    acks.push(answer);
+                }
+            });
+            let answered = |who: &str| acks.iter().any(|answer| answer.who == who);
+            let served = for_bridge || !self.service || answered("lmpc");
+            let bridged = self.bridge.is_none() || answered("bridge");
+            if !acks.is_empty() && served && bridged && looked {
+                break;
+            }
+            // A refusal is final, and an emergency stop that the bridge heard has happened.
+            let settled = |a: &Answered| a.who == "bridge" && (estop || !a.ack.accepted);
+            if acks.iter().any(settled) {
+                break;
+            }
+        }
+        if acks.is_empty() {
+            bail!(
+                "nobody answered within {} s: is `lmpc bridge` or `lmpc serve` running on this \
+                 network?",
+                PATIENCE.as_secs()
+            );
+        }
+        Ok(acks)
     }
-    Ok(heard.acks)
+
+    /// START with the dead man's switch held until `release` is set, then STOP; `begun` hears who
+    /// obeys. When this program dies, the bridge hears nothing, and stops the car by that.
+    ///
+    /// # Errors
+    /// If no bridge is there to watch the switch, nobody answers, or the network refuses it.
+    pub fn hold(
+        &mut self,
+        mut start: OperatorCommand,
+        release: &AtomicBool,
+        begun: &mut dyn FnMut(&[Answered]) -> Result<()>,
+    ) -> Result<Held> {
+        self.listen(self.begun + LOOK, 0, &mut |_| {});
+        if self.bridge.is_none() {
+            bail!("no bridge is heard: nobody would watch the dead man's switch");
+        }
+        start.deadman = true;
+        let answers = self.give(&mut start)?;
+        if answers.iter().any(|answer| !answer.ack.accepted) {
+            return Ok(Held::Refused(answers));
+        }
+        begun(&answers)?;
+        let mut next = Instant::now();
+        while !release.load(Ordering::Relaxed) {
+            self.say(&mut start)?;
+            next += REPEAT;
+            let mut ended = None;
+            self.listen(next, start.request_id, &mut |answer| {
+                if answer.who == "bridge" && !answer.ack.accepted {
+                    ended = Some(answer);
+                }
+            });
+            if let Some(ended) = ended {
+                return Ok(Held::Ended(ended));
+            }
+        }
+        Ok(Held::Released(self.stop(&start)?))
+    }
+
+    fn stop(&mut self, start: &OperatorCommand) -> Result<Vec<Answered>> {
+        let command = OperatorCommand::STOP;
+        let reason = "dead man's switch released".to_owned();
+        let arm_token = start.arm_token;
+        self.give(&mut OperatorCommand { command, arm_token, reason, ..Default::default() })
+    }
 }

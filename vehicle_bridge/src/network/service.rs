@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use controller::{Command, Controller, Reason};
 use lcm_types::{
-    ActuationCommand, Checked as _, Heartbeat, OperatorAck, OperatorCommand, VehicleState, channels,
+    ActuationCommand, Heartbeat, OperatorAck, OperatorCommand, VehicleState, channels,
 };
 use vehicle_model::Input;
 
@@ -16,6 +16,7 @@ use super::effort::{Effort, Overrun};
 use super::grant::Grant;
 use super::guard::{Accepted, Guard};
 use super::operator::{self, Authority};
+use super::orders::{Heard, Orders};
 use super::outlet::{Identity, Outlet};
 use super::pulse::Pulse;
 use super::record::Log;
@@ -60,7 +61,7 @@ pub struct Service {
     states: Inbox,
     orders: Inbox,
     guard: Guard,
-    order_guard: Guard,
+    order_desk: Orders,
     authority: Authority,
     grant: Grant,
     commands: Outlet,
@@ -115,7 +116,7 @@ impl Service {
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         Ok(Self {
             guard: Guard::new(age, silence, host),
-            order_guard: Guard::new(silence, silence, host),
+            order_desk: Orders::new(host),
             authority: Authority::new(options.wait_for_start),
             commands: outlet(name),
             telemetry: outlet(channels::TELEMETRY),
@@ -313,15 +314,13 @@ impl Service {
 
     fn obey(&mut self, received: &Received) {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
-        let checked =
-            self.order_guard.check(&received.payload, times, |o: &OperatorCommand| &o.h, |_| true);
-        let order = match checked {
-            Ok(Accepted { message, .. }) => message,
-            // An emergency stop counts whoever sends it, and however often.
-            Err(_) => match OperatorCommand::open(&received.payload) {
-                Ok(order) if order.command == OperatorCommand::ESTOP => order,
-                _ => return,
-            },
+        let order = match self.order_desk.hear(&received.payload, times) {
+            None => return,
+            Some(Heard::New(order)) => order,
+            Some(Heard::Again(_, ack)) => {
+                let sent = self.acks.send(&OperatorAck { h: self.acks.header(), ..ack });
+                return self.count(sent);
+            }
         };
         if matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM) {
             return; // for the bridge alone
@@ -340,6 +339,7 @@ impl Service {
             detail: answer.err().unwrap_or_default(),
         };
         let sent = self.acks.send(&ack);
+        self.order_desk.answered(order.h.boot_id, &ack);
         self.count(sent);
     }
 

@@ -52,4 +52,27 @@ mod tests {
         assert_eq!(admitted(&mut rate, 1, 1, 50_000_000), 0);
         assert_eq!(admitted(&mut rate, 1, 10, WINDOW_NS), 10);
     }
+
+    #[test]
+    fn a_window_begins_with_its_senders_first_message() {
+        for id in [0, 1] {
+            let mut rate = Rate::default();
+            let mut say = |now_ms: i64| rate.admit(id, now_ms * 1_000_000);
+            assert!((0..100).all(|_| say(50)));
+            assert!(!say(149), "{id}");
+            assert!(say(150), "{id}");
+        }
+    }
+
+    #[test]
+    fn the_sender_silent_longest_makes_room() {
+        let mut rate = Rate::default();
+        let mut say = |id: i64, now_ms: i64| rate.admit(id, now_ms * 1_000_000);
+        for id in 1..=8 {
+            assert!((0..100).all(|_| say(id, 10 + id)));
+        }
+        assert!(say(9, 20), "the ninth takes the place of the first");
+        assert!((2..=8).all(|id| !say(id, 21)), "the others are still counted");
+        assert!(say(1, 22), "and the first begins anew");
+    }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
 mod decode;
+mod edges;
 mod generator;
 mod model;
 mod stop;
@@ -123,6 +124,18 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
     }
 }
 
+/// At its deadline the grant is still there, a nanosecond later not, if nothing more comes.
+fn check_deadline(rules: &Rules, safety: &Safety, now: i64, context: &dyn Fn() -> String) {
+    let granted = safety.token() != 0;
+    let deadline = safety.deadline(rules);
+    assert_eq!(deadline.is_some(), granted, "{}", context());
+    if let Some(until) = deadline.filter(|until| *until >= now) {
+        let token_at = |at: i64| step(rules, safety, &Event::Tick, at).0.token();
+        assert_eq!(token_at(until), safety.token(), "{}", context());
+        assert_eq!(token_at(until + 1), 0, "{}", context());
+    }
+}
+
 /// From BOOT on.
 fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
     let mut generator = Generator::new(seed);
@@ -143,6 +156,9 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             assert_eq!(format!("{again:?}"), format!("{next:?}"), "{}", context());
         }
         safety = next;
+        if n % 10 == 0 {
+            check_deadline(rules, &safety, now, &context);
+        }
         let (was, token) = (model.phase, model.token);
         let answer = model.take(rules, &event, damage, now);
         assert_eq!(gist(&output.answer), gist(&answer), "{}", context());

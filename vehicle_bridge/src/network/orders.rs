@@ -1,0 +1,164 @@
+//! Which of the operators' orders are new, which are said again, and which are old. Pure.
+
+use lcm_types::{Checked as _, OperatorAck, OperatorCommand};
+
+/// Operators remembered; the one silent longest makes room. \[-\]
+const OPERATORS: usize = 16;
+/// An order that is older on arrival, or waited longer, is not obeyed, but for an emergency
+/// stop. \[ns\]
+const MAX_AGE_NS: i64 = 1_000_000_000;
+
+/// An order that is believed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Heard {
+    /// For the first time.
+    New(OperatorCommand),
+    /// Again, because its sender has not heard this answer, or holds a dead man's switch.
+    Again(OperatorCommand, OperatorAck),
+}
+
+#[derive(Debug, Clone)]
+struct Operator {
+    boot_id: i64,
+    seq: i64,
+    heard_ns: i64,
+    answer: Option<OperatorAck>,
+}
+
+/// Orders of any number of operators, each start of `lmpc operator` being one. An order counts
+/// once: what is repeated, out of order, or said again after another operator's order, does not
+/// come into force a second time.
+#[derive(Debug, Clone)]
+pub struct Orders {
+    host: String,
+    operators: Vec<Operator>,
+}
+
+impl Orders {
+    /// For a program on `host`.
+    #[must_use]
+    pub fn new(host: &str) -> Self {
+        Self { host: host.to_owned(), operators: Vec::new() }
+    }
+
+    /// An order, if it is believed. An emergency stop is, whoever sends it, and however often.
+    pub fn hear(&mut self, bytes: &[u8], (arrival_ns, now_ns): (i64, i64)) -> Option<Heard> {
+        let order = OperatorCommand::open(bytes).ok()?;
+        let estop = order.command == OperatorCommand::ESTOP;
+        let local = order.h.sender.rsplit('@').next() == Some(self.host.as_str());
+        let since = if local { order.h.mono_ns.min(arrival_ns) } else { arrival_ns };
+        let stale = now_ns.saturating_sub(since) > MAX_AGE_NS;
+        let known = self.operators.iter_mut().find(|known| known.boot_id == order.h.boot_id);
+        let answer = match known {
+            Some(known) if order.h.seq <= known.seq || stale => {
+                return estop.then_some(Heard::New(order));
+            }
+            Some(known) => {
+                (known.seq, known.heard_ns) = (order.h.seq, now_ns);
+                known.answer.clone().filter(|answer| answer.request_id == order.request_id)
+            }
+            None if stale => return estop.then_some(Heard::New(order)),
+            None => {
+                self.meet(&order, now_ns);
+                None
+            }
+        };
+        Some(match answer {
+            Some(answer) if !estop => Heard::Again(order, answer),
+            _ => Heard::New(order),
+        })
+    }
+
+    fn meet(&mut self, order: &OperatorCommand, heard_ns: i64) {
+        if self.operators.len() >= OPERATORS {
+            let oldest = self.operators.iter().enumerate().min_by_key(|(_, o)| o.heard_ns);
+            if let Some(oldest) = oldest.map(|(index, _)| index) {
+                self.operators.swap_remove(oldest);
+            }
+        }
+        let (boot_id, seq) = (order.h.boot_id, order.h.seq);
+        self.operators.push(Operator { boot_id, seq, heard_ns, answer: None });
+    }
+
+    /// Keeps the answer to an order of the start `boot_id`.
+    pub fn answered(&mut self, boot_id: i64, answer: &OperatorAck) {
+        let known = self.operators.iter_mut().find(|known| known.boot_id == boot_id);
+        if let Some(known) = known {
+            known.answer = Some(answer.clone());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lcm_types::Header;
+
+    const MS: i64 = 1_000_000;
+
+    struct Desk(Orders);
+
+    impl Desk {
+        fn say(&mut self, boot_id: i64, seq: i64, command: i8, request: i64) -> Option<Heard> {
+            self.at(boot_id, seq, command, request, 0)
+        }
+
+        fn at(&mut self, boot: i64, seq: i64, command: i8, ask: i64, late: i64) -> Option<Heard> {
+            let h =
+                Header { boot_id: boot, seq, sender: "op@here".to_owned(), ..Header::default() };
+            let order = OperatorCommand { h, command, request_id: ask, ..Default::default() };
+            let mut bytes = Vec::new();
+            order.seal_into(&mut bytes).unwrap();
+            let heard = self.0.hear(&bytes, (late, late));
+            if let Some(Heard::New(order)) = &heard {
+                let answer = OperatorAck { request_id: order.request_id, ..Default::default() };
+                self.0.answered(order.h.boot_id, &answer);
+            }
+            heard
+        }
+    }
+
+    const START: i8 = OperatorCommand::START;
+    const STOP: i8 = OperatorCommand::STOP;
+    const ESTOP: i8 = OperatorCommand::ESTOP;
+
+    fn is_new(heard: Option<&Heard>) -> bool {
+        matches!(heard, Some(Heard::New(_)))
+    }
+
+    #[test]
+    fn a_second_operator_is_obeyed_straight_after_the_first() {
+        let mut desk = Desk(Orders::new("here"));
+        assert!(is_new(desk.say(1, 0, START, 10).as_ref()));
+        assert!(is_new(desk.say(2, 0, STOP, 20).as_ref()));
+        // The first still repeats itself: that order is answered, not obeyed a second time.
+        assert!(matches!(desk.say(1, 1, START, 10), Some(Heard::Again(..))));
+        assert!(is_new(desk.say(1, 2, START, 11).as_ref()), "a new order of his");
+    }
+
+    #[test]
+    fn what_is_repeated_swapped_or_late_is_not_obeyed_but_an_emergency_stop() {
+        let mut desk = Desk(Orders::new("here"));
+        assert!(is_new(desk.say(1, 5, START, 10).as_ref()));
+        assert_eq!(desk.say(1, 5, START, 10), None);
+        assert_eq!(desk.say(1, 4, START, 9), None);
+        assert_eq!(desk.at(1, 6, START, 11, 1001 * MS), None, "its own stamp is old");
+        assert_eq!(desk.at(3, 0, START, 12, 1001 * MS), None);
+        for (boot, seq) in [(1, 5), (1, 4), (1, 9), (1, 10), (3, 0)] {
+            assert!(is_new(desk.at(boot, seq, ESTOP, 13, 2000 * MS).as_ref()), "{boot} {seq}");
+        }
+    }
+
+    #[test]
+    fn many_operators_take_a_bounded_room() {
+        let mut desk = Desk(Orders::new("here"));
+        for boot in 0..1000 {
+            assert!(is_new(desk.at(boot, 0, START, boot, boot).as_ref()));
+        }
+        assert_eq!(desk.0.operators.len(), OPERATORS);
+        assert_eq!(desk.say(999, 0, START, 999), None, "the last ones are remembered");
+        let mut damaged = vec![0; 80];
+        damaged[0] = 1;
+        assert_eq!(desk.0.hear(&damaged, (0, 0)), None);
+    }
+}
