@@ -14,6 +14,7 @@ test:
 	tests/interop/types.sh
 	tests/interop/python_vehicle.sh
 	tests/interop/mapped_car.sh
+	tests/interop/bridged_cars.sh car
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
@@ -31,6 +32,7 @@ fmu-test: fmu
 	tools/setup.sh fmu fmu-test
 	tools/fmu_check.sh
 	tools/fmu_host_check.sh
+	tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
 
 lint:
 	cargo fmt --check

@@ -262,3 +262,19 @@ fn a_study_that_was_interrupted_goes_on() {
     let other = lmpc(&[&study[..], &["--set", "horizon.steps=11"]].concat());
     assert!(text(&other.stderr).contains("8 runs, 0 kept"), "{}", text(&other.stderr));
 }
+
+#[test]
+fn a_bridge_names_what_does_not_go_together() {
+    for (arguments, word) in [
+        (&["--vehicle", "boat"][..], "expected sim, fmu:FILE or car"),
+        (&["--vehicle", "car"], "needs the map"),
+        (&["--map", "map.toml"], "--map belongs to"),
+        (&["--vehicle", "sim", "--state-period-ms", "20"], "measured every tick"),
+        (&["--vehicle", "car", "--map", "m.toml", "--preload", "l.so"], "--preload belongs to"),
+    ] {
+        let output = lmpc(&[&["bridge"], arguments].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(word), "{arguments:?}: {said}");
+    }
+}

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{ControllerArgs, NetworkArgs};
+use super::{ControllerArgs, FmuVehicleArgs, NetworkArgs};
 
 const BRIDGE_EXAMPLES: &str = "\
 Examples:
   lmpc bridge                                simulated small car on the L track
   lmpc bridge --timeout-ms 60 --realtime
+  lmpc bridge --vehicle fmu:their_car.fmu --map map.toml
+  lmpc bridge --vehicle car --map examples/lcm/car.toml
   lmpc operator arm && lmpc operator start   in another terminal, with `lmpc serve`
 
 Stands between controller and car, at 100 Hz: publishes CAR/STATE, CAR/ACT and HB/bridge, obeys
@@ -25,6 +27,16 @@ pub struct BridgeArgs {
     /// The network.
     #[command(flatten)]
     pub network: NetworkArgs,
+    /// The car's side: the simulated car, a vehicle FMU of any vendor, or a real car that speaks its
+    /// own messages, which --map names
+    #[arg(long, default_value = "sim", value_name = "sim|fmu:FILE|car")]
+    pub vehicle: String,
+    /// The map of the vehicle FMU or of the car's messages.
+    #[command(flatten)]
+    pub fmu: FmuVehicleArgs,
+    /// How often a real car says its state; by default once in a controller's period
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub state_period_ms: Option<u32>,
     /// Seed of the car's noise
     #[arg(long, default_value_t = 0, value_name = "SEED")]
     pub seed: u64,

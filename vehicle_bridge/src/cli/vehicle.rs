@@ -27,7 +27,8 @@ ours = scale * unit * theirs + offset.";
 /// How a vehicle FMU is connected.
 #[derive(Debug, Clone, Args)]
 pub struct FmuVehicleArgs {
-    /// Which variable of the vehicle FMU is which quantity; our own FMU needs none
+    /// Which variable of the vehicle FMU is which quantity; our own FMU needs none. With `car`: which
+    /// field of its messages is which
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
     /// Library to load before the vehicle FMU's own; libpython is found for a PythonFMU

@@ -1,40 +1,51 @@
 //! `lmpc bridge` and `lmpc operator`.
 
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use lcm_types::OperatorCommand;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{connect, logged, on_signal, real_time};
-use super::{Outcome, setup};
+use super::{Outcome, setup, vehicle};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
 use crate::network::bridge::Bridge;
-use crate::network::convert;
 use crate::network::operator_client::{Answered, Held, Operator};
+use crate::network::side::CarSide;
+use crate::network::{convert, map_file};
+use crate::race::RaceOptions;
 use crate::safety::{Lapse, Rules};
+use crate::settings::Usage;
 use crate::top::state_name;
+use crate::transport::Transport;
 
 /// Runs the bridge until Ctrl-C.
 pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0)?;
-    let params = PlantParams { seed: args.seed, ..options.plant.clone() };
     let period_ns = convert::nanoseconds(options.config.horizon.period);
-    let mut rules = Rules::new(&params.car, &options.track, period_ns);
+    let mut rules = Rules::new(&options.plant.car, &options.track, period_ns);
     rules.timeout_ns = i64::from(args.timeout_ms) * 1_000_000;
-    let car = Plant::new(params, Arc::clone(&options.track), State::default())?;
+    check(args)?;
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
     let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
+    let side = side(args, &options, &network)?;
+    if let CarSide::Mapped(_) = side {
+        // A source by a map has neither numbers nor validity; who chose it knows.
+        rules.quality = 1;
+        rules.state_ns = args.state_period_ms.map_or(period_ns, |ms| i64::from(ms) * 1_000_000);
+        notes.push("the car's states have neither numbers nor checksums (quality 1)".to_owned());
+    }
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
     }
     let stop = on_signal()?;
-    talk.say("bridging a simulated car; Ctrl-C ends");
-    let mut bridge = Bridge::new(rules, Box::new(car), notes, &network)?.with_log(log);
+    talk.say(&format!("bridging ({}); Ctrl-C ends", args.vehicle));
+    let mut bridge = Bridge::new(rules, side, notes, &network)?.with_log(log);
     let bridged = bridge.run(&stop, &mut |phase, lapse| {
         let why = if lapse == Lapse::None { String::new() } else { format!(" ({lapse})") };
         talk.say(&format!("{}{why}", phase.name()));
@@ -55,6 +66,39 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
         c.stops
     ));
     Ok(Outcome::Done)
+}
+
+/// Whether the options of the car's side go together.
+fn check(args: &BridgeArgs) -> Result<()> {
+    let (vehicle, map, preload) = (args.vehicle.as_str(), &args.fmu.map, &args.fmu.preload);
+    let is_fmu = vehicle.starts_with("fmu:");
+    let wrong = match vehicle {
+        "sim" if map.is_some() => "--map belongs to --vehicle fmu:FILE or car",
+        "car" if map.is_none() => "--vehicle car needs the map of its messages, --map FILE",
+        "sim" | "car" if preload.is_some() => "--preload belongs to --vehicle fmu:FILE",
+        _ if vehicle != "car" && args.state_period_ms.is_some() => {
+            "--state-period-ms belongs to --vehicle car: others are measured every tick"
+        }
+        "sim" | "car" => return Ok(()),
+        _ if is_fmu => return Ok(()),
+        other => bail!(Usage(format!("--vehicle {other}: expected sim, fmu:FILE or car"))),
+    };
+    bail!(Usage(wrong.to_owned()))
+}
+
+/// The car's side that the command line names.
+fn side(args: &BridgeArgs, options: &RaceOptions, network: &Arc<dyn Transport>) -> Result<CarSide> {
+    if let Some(file) = args.vehicle.strip_prefix("fmu:") {
+        let (file, controller) = (Path::new(file), &args.controller);
+        let car = vehicle::fmu(file, &args.fmu, controller, options, args.seed, 0.0)?;
+        return Ok(CarSide::Simulated(Box::new(car)));
+    }
+    if let Some(map) = args.fmu.map.as_ref().filter(|_| args.vehicle == "car") {
+        return Ok(CarSide::mapped(map_file::load(map)?, &options.track, network));
+    }
+    let params = PlantParams { seed: args.seed, ..options.plant.clone() };
+    let car = Plant::new(params, Arc::clone(&options.track), State::default())?;
+    Ok(CarSide::Simulated(Box::new(car)))
 }
 
 /// Gives an order.

@@ -7,24 +7,26 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use lcm_types::{
     ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
-    Track as TrackMessage, channels,
+    Track as TrackMessage, VehicleState, channels,
 };
 use vehicle_model::Input;
 
-use super::convert;
 use super::guard::Counts;
 use super::orders::{Heard, Orders};
 use super::outlet::{Identity, Outlet, random};
 use super::pulse::Pulse;
 use super::record::Log;
+use super::side::CarSide;
 use crate::safety::{
     self, Answer, Event, Lapse, Order, OrderKind, Output, Phase, Rules, Safety, Source, decode,
 };
 use crate::transport::{self, Filter, Inbox, Received, Transport};
-use crate::vehicle::Vehicle;
 
 /// Messages of each kind that may wait. \[-\]
 const WAITING: usize = 1024;
+
+/// Quality of a simulated car's states. \[-\]
+const GOOD: i8 = 2;
 
 /// How the bridge ran.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,7 +45,7 @@ pub struct Bridged {
 pub struct Bridge {
     rules: Rules,
     safety: Safety,
-    vehicle: Box<dyn Vehicle>,
+    side: CarSide,
     host: String,
     commands: Inbox,
     others: Inbox,
@@ -63,20 +65,22 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// Between a network and a simulated car.
+    /// Between a network and a car.
     ///
     /// # Errors
     /// If the network refuses the subscriptions, or a thread cannot be started.
     pub fn new(
         mut rules: Rules,
-        vehicle: Box<dyn Vehicle>,
+        side: CarSide,
         notes: Vec<String>,
         network: &Arc<dyn Transport>,
     ) -> Result<Self> {
         let identity = Identity::new("bridge");
         rules.boot_id = identity.boot_id;
         let (commands, others) = (Inbox::queue(WAITING), Inbox::queue(WAITING));
-        network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
+        let mut heard = side.channels();
+        heard.push(channels::COMMAND.to_owned());
+        network.subscribe(Filter::Only(heard), commands.sink())?;
         let life = format!("{}lmpc", channels::HEARTBEAT);
         // An order does not wait for the tick.
         network.subscribe(Filter::channel(channels::OPERATOR), commands.urgent_sink())?;
@@ -95,7 +99,7 @@ impl Bridge {
             source: Source::None,
             bridged: Bridged::default(),
             rules,
-            vehicle,
+            side,
             host,
             commands,
             others,
@@ -140,6 +144,7 @@ impl Bridge {
                 last = phase;
             }
         }
+        self.unsent += u64::from(self.side.finish().is_err());
         self.bridged.commands = self.safety.counts();
         self.bridged
     }
@@ -151,10 +156,10 @@ impl Bridge {
                 break;
             }
             let Some(received) = self.commands.wait_until(self.wake(due)) else { break };
-            if received.channel == channels::OPERATOR {
-                self.order(&received);
-            } else {
-                self.command(&received);
+            match received.channel.as_str() {
+                channels::OPERATOR => self.order(&received),
+                channels::COMMAND => self.command(&received),
+                _ => self.tell(&received),
             }
             self.commands.recycle(received);
         }
@@ -187,23 +192,46 @@ impl Bridge {
     fn act(&mut self, dt: f64) {
         let held = self.held;
         if self.safety.phase() != Phase::Fault
-            && let Err(error) = self.vehicle.apply(held, dt)
+            && let Err(error) = self.side.drive(held, dt)
         {
-            self.refused = Some(error.to_string());
-            self.step(&Event::CarFailed);
+            self.fail(&error.to_string());
         }
-        let x = self.vehicle.measure();
+        let measured = self.side.measure();
         let meas_ns = transport::now().mono_ns;
-        self.step(&Event::State(x, 2));
+        if let Some(x) = measured {
+            self.step(&Event::State(x, GOOD));
+        }
         let output = self.step(&Event::Tick);
         (self.held, self.source) = (output.applied.sent, output.source);
+        if let Err(error) = self.side.actuate(&output) {
+            self.fail(&format!("the car cannot be told: {error}"));
+        }
         self.report(&output);
-        let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
-        let track = Arc::clone(self.vehicle.track());
-        let h = self.states.header();
-        let state = convert::state_message(h, meas_ns, &x, output.applied.sent, &track, lap);
+        if let Some(x) = measured {
+            let h = self.states.header();
+            if let Some(state) = self.side.message(h, meas_ns, &x, output.applied.sent) {
+                self.publish(&state);
+            }
+        }
+    }
+
+    fn fail(&mut self, why: &str) {
+        self.refused = Some(why.to_owned());
+        self.step(&Event::CarFailed);
+    }
+
+    /// A message of a real car.
+    fn tell(&mut self, received: &Received) {
+        let Some(told) = self.side.hear(received) else { return };
+        if told.is_new {
+            self.step(&Event::State(told.x, told.message.quality));
+        }
+        self.publish(&VehicleState { h: self.states.header(), ..told.message });
+    }
+
+    fn publish(&mut self, state: &VehicleState) {
         // The network may be gone: the car is still there.
-        let sent = self.states.send_sealed(&state);
+        let sent = self.states.send_sealed(state);
         self.unsent += u64::from(sent.is_err());
     }
 
@@ -329,6 +357,7 @@ impl Bridge {
             detail.push(format!("{} messages could not be sent", self.unsent));
         }
         detail.extend(self.log.as_ref().and_then(Log::complaint));
+        detail.extend(self.side.note());
         detail.extend(self.refused.clone());
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
         self.pulse.update(|health| {
@@ -337,11 +366,5 @@ impl Bridge {
             health.arm_token = arm_token;
             health.detail = detail.join("; ");
         });
-    }
-
-    /// The car.
-    #[must_use]
-    pub fn vehicle(&self) -> &dyn Vehicle {
-        self.vehicle.as_ref()
     }
 }

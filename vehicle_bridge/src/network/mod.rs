@@ -23,5 +23,6 @@ pub mod record;
 pub mod replay;
 pub mod schedule;
 pub mod service;
+pub mod side;
 pub mod store;
 pub mod telemetry;

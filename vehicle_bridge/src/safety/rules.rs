@@ -10,8 +10,12 @@ use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
 pub struct Rules {
     /// The controller's period: the next command is due this long after the last. \[ns\]
     pub period_ns: i64,
-    /// Time between two ticks, and between two states. \[ns\]
+    /// Time between two ticks. \[ns\]
     pub tick_ns: i64,
+    /// Time between two states. \[ns\]
+    pub state_ns: i64,
+    /// Least quality of the states that the car may be armed by: 2 good, 1 degraded. \[-\]
+    pub quality: i8,
     /// How much later than due a command or a state may come. \[ns\]
     pub timeout_ns: i64,
     /// Oldest command believed on arrival. \[ns\]
@@ -46,6 +50,8 @@ impl Rules {
         Self {
             period_ns,
             tick_ns: 10 * MS,
+            state_ns: 10 * MS,
+            quality: 2,
             timeout_ns: 100 * MS,
             max_age_ns: 100 * MS,
             ready_ns: 1000 * MS,

@@ -135,7 +135,7 @@ impl Safety {
     }
 
     fn is_fresh(&self, rules: &Rules, now_ns: i64) -> bool {
-        let patience = rules.tick_ns + rules.timeout_ns;
+        let patience = rules.state_ns + rules.timeout_ns;
         self.seen.is_some_and(|seen| now_ns.saturating_sub(seen.at_ns) <= patience)
     }
 
@@ -146,7 +146,7 @@ impl Safety {
         let from = |then: Option<i64>, patience: i64| {
             then.map_or(NEVER, |then| then.saturating_add(patience))
         };
-        let late = rules.tick_ns + rules.timeout_ns;
+        let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
         let pulse = self.pulse.filter(|(boot_id, _)| Some(*boot_id) == self.armed);
         let heard = pulse.map_or(i64::MIN, |(_, then)| then.saturating_add(rules.pulse_ns));
         let running = self.phase == Phase::Running;
@@ -160,7 +160,7 @@ impl Safety {
         let only = |is: bool, limit: i64| if is { limit } else { NEVER };
         [
             (from(self.tick_ns, late), Lapse::Gap),
-            (self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(late)), Lapse::States),
+            (self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(silent)), Lapse::States),
             (only(!running, heard), Lapse::Pulse),
             (only(running, from(self.deadman_ns, rules.timeout_ns)), Lapse::Deadman),
             (only(running, due), Lapse::Commands),
@@ -196,7 +196,7 @@ impl Safety {
         // After a gap they have not been good for long, whatever they were before it.
         let unbroken = self.seen.filter(|_| self.is_fresh(rules, now_ns));
         let since = unbroken.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
-        let good_since_ns = (quality >= 2).then_some(since);
+        let good_since_ns = (quality >= rules.quality).then_some(since);
         self.seen = Some(Seen { at_ns: now_ns, good_since_ns });
         (self.estimate, self.estimate_ns) = (*x, now_ns);
         if self.phase == Phase::Boot {

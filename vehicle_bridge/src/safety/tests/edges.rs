@@ -1,6 +1,7 @@
 //! Single cases at the edges, which chance does not meet or cannot tell apart.
 
 use super::*;
+use crate::safety::stop::{brake, reckon};
 
 fn offer() -> Offer {
     let mut plan = [Input::default(); PLAN];
@@ -69,4 +70,68 @@ fn numbers_follow_in_a_window() {
     assert!(!follows(5, Some(5)) && !follows(4, Some(5)) && !follows(106, Some(5)));
     // Numbers of an attacker's choice do not overflow.
     assert!(!follows(i64::MAX, Some(i64::MIN)) && !follows(i64::MIN, Some(i64::MAX)));
+}
+
+#[test]
+fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
+    let mut rules = rules();
+    (rules.limiter.a_rate_max, rules.limiter.a_min) = (f64::INFINITY, -50.0);
+    let mut safety = Safety::default();
+    let mut tell = |event: Event<'_>, at_ms: i64| {
+        let (next, output) = step(&rules, &safety, &event, at_ms * MS);
+        safety = next;
+        output
+    };
+    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let moving = Event::State(State { v_x: 2.0, ..State::default() }, 2);
+    tell(moving, 900);
+    tell(moving, 1000);
+    tell(Event::Pulse(CONTROLLER), 1000);
+    tell(Event::Track(CONTROLLER, rules.track_id), 1000);
+    tell(order(OrderKind::SpeedCap(1.5)), 1000);
+    tell(order(OrderKind::Arm { moving: true }), 1000);
+    tell(order(OrderKind::Start), 1000);
+    let offer = Offer {
+        boot_id: CONTROLLER,
+        token: 9,
+        since_ns: 1000 * MS,
+        input: Input { a: 1.0, delta: 0.0 },
+        ..offer()
+    };
+    assert_eq!(tell(Event::Command(&offer), 1000).answer, Answer::Accepted);
+    // What is left of the cap in half a second tells the speed it is reckoned to have.
+    let mut speed = |at_ms: i64| {
+        let output = tell(Event::Tick, at_ms);
+        assert!(output.applied.by(Limit::SpeedCap));
+        1.5 - 0.5 * output.applied.sent.a
+    };
+    assert!((speed(1000) - 2.0).abs() < 1e-12);
+    // It brakes with 1 m/s^2: after 10 ms without a state, and 4 ms after one.
+    assert!((speed(1010) - 1.99).abs() < 1e-12);
+    tell(moving, 1016);
+    let mut speed = |at_ms: i64| 1.5 - 0.5 * tell(Event::Tick, at_ms).applied.sent.a;
+    assert!((speed(1020) - (2.0 - 0.98 * 0.004)).abs() < 1e-12);
+}
+
+#[test]
+fn a_reckoned_car_does_not_roll_backwards_and_stays_on_the_lap() {
+    let rules = rules();
+    let x = State { v_x: 0.01, s: rules.track.length() - 1e-4, ..State::default() };
+    let next = reckon(&rules, &x, Input { a: -2.0, delta: 0.0 }, 0.1);
+    assert_eq!(next.v_x, 0.0);
+    assert!((0.0..0.01).contains(&next.s), "{next:?}");
+    // What cannot be reckoned stays as it was.
+    assert_eq!(reckon(&rules, &x, Input { a: f64::NAN, delta: 0.0 }, 0.1), x);
+}
+
+#[test]
+fn a_car_that_stands_keeps_the_brake_pressed() {
+    let rules = rules();
+    for v_x in [0.0, 0.1, 0.49] {
+        let u = brake(&rules, &State { v_x, ..State::default() });
+        assert!(u.a <= 0.2 * rules.limiter.a_min, "{u:?}");
+    }
+    // Left of the line it steers to the right.
+    let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() });
+    assert!(u.a < 0.0 && u.delta < 0.0, "{u:?}");
 }

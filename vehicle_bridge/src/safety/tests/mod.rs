@@ -65,10 +65,10 @@ fn word(of: &impl std::fmt::Debug) -> String {
     format!("{of:?}").split([' ', '(']).next().unwrap_or_default().to_owned()
 }
 
-/// What an answer is, without its numbers.
+/// An answer, without the speed that the core reckons and the model does not.
 fn gist(answer: &Answer) -> String {
     match answer {
-        Answer::Denied(denied) => word(denied),
+        Answer::Denied(Denied::Moves { .. }) => "Moves".to_owned(),
         other => format!("{other:?}"),
     }
 }
@@ -96,6 +96,7 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
         let most = ((cap - v_x) / 0.5).max(was.a - l.a_rate_max * dt).max(l.a_min);
         assert!(sent.a <= most + 1e-9, "{sent:?} at {v_x}, cap {cap}");
     }
+    assert!(model.cap.is_some() || !output.applied.by(Limit::SpeedCap), "no cap is ordered");
     let command = model.command.filter(|_| model.phase == Phase::Running);
     let Some(command) = command else {
         let held = !matches!(model.phase, Phase::SafeStop | Phase::Fault | Phase::Estop);

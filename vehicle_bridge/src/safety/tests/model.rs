@@ -87,7 +87,7 @@ impl Model {
     }
 
     fn fresh(&self, rules: &Rules, now: i64) -> bool {
-        self.state.is_some_and(|(at, _)| now - at <= rules.tick_ns + rules.timeout_ns)
+        self.state.is_some_and(|(at, _)| now - at <= rules.state_ns + rules.timeout_ns)
     }
 
     /// By the last state; between two of them the car may have begun to move or come to a stand.
