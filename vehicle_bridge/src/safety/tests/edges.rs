@@ -125,13 +125,34 @@ fn a_reckoned_car_does_not_roll_backwards_and_stays_on_the_lap() {
 }
 
 #[test]
-fn a_car_that_stands_keeps_the_brake_pressed() {
+fn below_half_a_metre_a_second_the_brake_stays_pressed() {
+    let mut iac = CarParams::builtin("iac").unwrap();
+    iac.a_min = -9.0;
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let (small, large) = (rules(), Rules::new(&iac, &track, 50 * MS));
+    let asked = |rules: &Rules, v_x: f64| brake(rules, &State { v_x, ..State::default() }).a;
+    assert_eq!([0.0, 0.1].map(|v_x| asked(&small, v_x)), [-0.4, -0.4], "a fifth of 2 m/s^2");
+    // Above it, braking fades with the speed.
+    assert_eq!([0.499, 0.5, 1.0].map(|v_x| asked(&large, v_x)), [-1.8, -1.0, -2.0]);
     let rules = rules();
-    for v_x in [0.0, 0.1, 0.49] {
-        let u = brake(&rules, &State { v_x, ..State::default() });
-        assert!(u.a <= 0.2 * rules.limiter.a_min, "{u:?}");
-    }
     // Left of the line it steers to the right.
     let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() });
     assert!(u.a < 0.0 && u.delta < 0.0, "{u:?}");
+}
+
+#[test]
+fn a_car_stands_below_the_limit_and_not_at_it() {
+    let rules = rules();
+    let arm = |speed: f64| {
+        let moving = State { v_x: 0.6 * speed, v_y: 0.8 * speed, ..State::default() };
+        let (safety, _) = step(&rules, &Safety::default(), &Event::State(moving, 2), MS);
+        let kind = OrderKind::Arm { moving: false };
+        let order = Event::Order(Order { kind, token: 0, deadman: false, fresh: 1 });
+        step(&rules, &safety, &order, MS).1.answer
+    };
+    let at = State { v_x: 0.6 * rules.still, v_y: 0.8 * rules.still, ..State::default() };
+    assert_eq!(at.v_x.hypot(at.v_y), rules.still, "the test's own rounding");
+    assert_eq!(arm(rules.still), Answer::Denied(Denied::Moves { speed: rules.still }));
+    // It stands; what is missing next is a second of good states.
+    assert_eq!(arm(0.99 * rules.still), Answer::Denied(Denied::NotGood { good_s: 0.0 }));
 }
