@@ -68,15 +68,24 @@ impl Controller {
         })
     }
 
-    /// Everything learned, as bytes with a checksum and the fingerprint of car, track and
-    /// configuration.
+    /// Everything learned, with the fingerprint of car, track and configuration; cheap to take, and
+    /// good to be written by another thread while the controller drives on.
     #[must_use]
-    pub fn save(&self) -> Vec<u8> {
-        store::seal(&Learned {
+    pub fn learned_data(&self) -> Learned {
+        Learned {
             identity: self.identity(),
             grip: self.memory.grip,
             laps: self.memory.dataset.laps.clone(),
-        })
+        }
+    }
+
+    /// What [`Learned::write`] writes, as bytes.
+    #[must_use]
+    pub fn save(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // Writing into memory has no way to fail.
+        let _ = self.learned_data().write(&mut bytes);
+        bytes
     }
 
     /// Takes over what [`Controller::save`] wrote, in place of what was learned so far.

@@ -42,4 +42,5 @@ pub use status::{
     Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, SolveStatus,
     Status,
 };
+pub use store::Learned;
 pub use tracking::Tracker;

@@ -1,7 +1,9 @@
 //! Learned data as bytes: magic, version, length, checksum, then fingerprints and laps.
 
+use std::io::{self, Write};
 use std::sync::Arc;
 
+use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
 use crate::config::Config;
@@ -13,9 +15,9 @@ const VERSION: u32 = 1;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
-/// What is kept from one day to the next.
+/// What is kept from one day to the next. Taking it shares the laps: it is cheap whatever was learned.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Learned {
+pub struct Learned {
     pub(crate) identity: Identity,
     pub(crate) grip: [f64; 2],
     pub(crate) laps: Vec<Arc<Lap>>,
@@ -72,20 +74,77 @@ fn first_difference(ours: &str, theirs: &str) -> String {
     "one has more keys than the other".to_owned()
 }
 
-/// Wraps `content` with magic, version, length and checksum.
-pub(crate) fn seal<T: Serialize>(content: &T) -> Vec<u8> {
-    // Encoding plain structs of numbers into memory has no way to fail.
-    let content = postcard::to_allocvec(content).unwrap_or_default();
-    let mut bytes = Vec::with_capacity(HEADER + content.len());
-    bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
-    bytes.extend_from_slice(&crc32fast::hash(&content).to_le_bytes());
-    bytes.extend_from_slice(&content);
-    bytes
+impl Learned {
+    /// Writes magic, version, length, checksum and content, piece by piece: nothing the size of the whole
+    /// is ever in memory. Give it a buffered writer.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        // Once for the header, which stands before the content, once for the content.
+        let mut measured = Measured::default();
+        encode(self, &mut measured)?;
+        out.write_all(MAGIC)?;
+        out.write_all(&VERSION.to_le_bytes())?;
+        out.write_all(&measured.length.to_le_bytes())?;
+        out.write_all(&measured.checksum.finalize().to_le_bytes())?;
+        encode(self, out)?;
+        out.flush()
+    }
 }
 
-/// Checks and decodes what [`seal`] wrote.
+/// Length and checksum of what is written to it.
+#[derive(Default)]
+struct Measured {
+    length: u64,
+    checksum: crc32fast::Hasher,
+}
+
+impl Write for Measured {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.length += bytes.len() as u64;
+        self.checksum.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Sends the encoder's bytes to a writer and keeps the writer's error, which the encoder cannot carry.
+struct Sink<'a, W> {
+    out: &'a mut W,
+    error: &'a mut Option<io::Error>,
+}
+
+impl<W: Write> Flavor for Sink<'_, W> {
+    type Output = ();
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.try_extend(&[byte])
+    }
+
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        self.out.write_all(bytes).map_err(|error| {
+            *self.error = Some(error);
+            postcard::Error::SerializeBufferFull
+        })
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}
+
+fn encode(content: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    let mut error = None;
+    let sink = Sink { out, error: &mut error };
+    let encoded = postcard::serialize_with_flavor(content, sink);
+    encoded.map_err(|other| error.unwrap_or_else(|| io::Error::other(other)))
+}
+
+/// Checks and decodes what [`Learned::write`] wrote.
 pub(crate) fn open<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, DataError> {
     let found = &bytes[..bytes.len().min(MAGIC.len())];
     let (Some(header), Some(content)) = (bytes.get(..HEADER), bytes.get(HEADER..)) else {

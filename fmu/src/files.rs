@@ -1,8 +1,11 @@
 //! Tracks and cars by name or file.
 
+use std::fs::File;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use controller::Learned;
 use vehicle_model::{CarParams, Track};
 
 use crate::model::Io;
@@ -49,6 +52,15 @@ pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, Fault> {
         return CarParams::from_toml(&read(io, "car", name)?).map_err(failed);
     }
     CarParams::builtin(name).map_err(failed)
+}
+
+/// Writes learned data: beside the old file, on disk, then over it; one of the two is always whole.
+pub(crate) fn save(path: &str, learned: &Learned) -> io::Result<()> {
+    let next = format!("{path}.new");
+    let file = File::create(&next)?;
+    learned.write(&mut BufWriter::new(&file))?;
+    file.sync_all()?;
+    std::fs::rename(&next, path)
 }
 
 /// A name has neither ending nor folder.

@@ -68,19 +68,23 @@ impl Table {
         Text(self.push(variable, Kind::Text))
     }
 
-    /// Sets smallest and largest values by name; an infinite one is none.
+    /// Sets smallest and largest values by name; an infinite one leaves the unit's extent.
     pub fn bound(&mut self, bounds: &[(&str, f64, f64)]) {
         let finite = |x: f64| x.is_finite().then_some(x);
         for variable in &mut self.variables {
             if let Some((_, min, max)) = bounds.iter().find(|row| row.0 == variable.name) {
-                (variable.min, variable.max) = (finite(*min), finite(*max));
+                variable.min = finite(*min).or(variable.min);
+                variable.max = finite(*max).or(variable.max);
             }
         }
     }
 
     fn push(&mut self, variable: Variable, kind: Kind) -> usize {
+        // What nothing else bounds is bounded by what is possible in its unit.
+        let extent = variable.unit.map(|unit| unit.extent);
+        let (min, max) = (variable.min.or(extent.map(|x| -x)), variable.max.or(extent));
         // The kind is what the caller's slot type promises, so it wins.
-        self.variables.push(Variable { kind, ..variable });
+        self.variables.push(Variable { kind, min, max, ..variable });
         self.variables.len() - 1
     }
 }

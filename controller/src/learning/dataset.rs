@@ -106,27 +106,18 @@ impl Dataset {
 
     /// Closes the lap in progress at `end_time`; the next begins there.
     pub(crate) fn close(&mut self, number: u32, kind: LapKind, end_time: f64) -> Option<LapResult> {
-        let done = std::mem::take(&mut self.current);
-        // The next lap is likely as long as this one: its memory is reserved now.
-        self.current.samples.reserve(2 * done.samples.len());
+        let Current { start_time, follows, from_line, clean, .. } = self.current;
+        let lap_time = end_time - start_time;
+        let result = LapResult { lap: number, kind, lap_time, valid: clean && from_line };
+        // A lap is kept for good: without the room it did not need, which the next one fills again.
+        let samples = self.current.samples.clone();
+        self.laps.push(Arc::new(Lap { result, samples, start_time, end_time, follows }));
+        self.current.samples.clear();
         self.current.start_time = end_time;
         self.current.follows = true;
         self.current.from_line = true;
         self.current.clean = true;
-        let result = LapResult {
-            lap: number,
-            kind,
-            lap_time: end_time - done.start_time,
-            valid: done.clean && done.from_line,
-        };
-        self.laps.push(Arc::new(Lap {
-            result,
-            samples: done.samples,
-            start_time: done.start_time,
-            end_time,
-            follows: done.follows,
-        }));
-        done.from_line.then_some(result)
+        from_line.then_some(result)
     }
 
     /// Drops the lap in progress after an interruption; what it holds stays in the data.

@@ -12,6 +12,7 @@ use controller::{Action, Command, Config, Controller, ControllerState, Measureme
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
+use crate::files;
 use crate::description::{Description, Terminal};
 use crate::model::{Io, Model, Step};
 use crate::schedule::Schedule;
@@ -126,7 +127,7 @@ impl ControllerFmu {
         if path.is_empty() {
             return Ok(());
         }
-        match std::fs::write(path, self.controller.save()) {
+        match files::save(path, &self.controller.learned_data()) {
             Ok(()) => io.log.event(format!("learned data written to {path}")),
             // Driving matters more than the file.
             Err(e) => io.log.warn(format!("param.learned_save = '{path}': {e}")),

@@ -6,9 +6,9 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use controller::Controller;
+use controller::{Controller, Learned};
 
-use crate::race::learned;
+use crate::race::learned::{self, write};
 
 /// How long after a failure the next attempt.
 const RETRY: Duration = Duration::from_secs(1);
@@ -16,7 +16,7 @@ const RETRY: Duration = Duration::from_secs(1);
 /// The writing thread.
 pub struct Store {
     path: PathBuf,
-    queue: Option<Sender<Vec<u8>>>,
+    queue: Option<Sender<Learned>>,
     outcomes: Receiver<Option<String>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -59,7 +59,7 @@ impl Store {
     pub fn save(&self, controller: &Controller) {
         if let Some(queue) = &self.queue {
             // The thread ends only with the queue.
-            let _ = queue.send(controller.save());
+            let _ = queue.send(controller.learned_data());
         }
     }
 
@@ -80,18 +80,19 @@ impl Drop for Store {
     }
 }
 
-fn save_all(path: &Path, saves: &Receiver<Vec<u8>>, tell: &Sender<Option<String>>) {
-    let mut unsaved: Option<Vec<u8>> = None;
+fn save_all(path: &Path, saves: &Receiver<Learned>, tell: &Sender<Option<String>>) {
+    let mut unsaved: Option<Learned> = None;
     loop {
         // What could not be saved is tried again: the disk may have room then.
         let patience = if unsaved.is_some() { RETRY } else { Duration::MAX };
         let next = saves.recv_timeout(patience);
-        if let Ok(bytes) = &next {
+        let ended = matches!(next, Err(RecvTimeoutError::Disconnected));
+        if let Ok(learned) = next {
             // Of several that wait only the newest counts.
-            unsaved = Some(saves.try_iter().last().unwrap_or_else(|| bytes.clone()));
+            unsaved = Some(saves.try_iter().last().unwrap_or(learned));
         }
-        if let Some(bytes) = &unsaved {
-            let failure = learned::write(path, bytes).err();
+        if let Some(learned) = &unsaved {
+            let failure = write(path, learned).err();
             let said =
                 failure.as_ref().map(|error| format!("cannot save {}: {error}", path.display()));
             let _ = tell.send(said); // nobody listens after the end
@@ -99,7 +100,7 @@ fn save_all(path: &Path, saves: &Receiver<Vec<u8>>, tell: &Sender<Option<String>
                 unsaved = None;
             }
         }
-        if next == Err(RecvTimeoutError::Disconnected) {
+        if ended {
             break;
         }
     }
@@ -108,6 +109,8 @@ fn save_all(path: &Path, saves: &Receiver<Vec<u8>>, tell: &Sender<Option<String>
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
+
+    use std::sync::Arc;
 
     use super::*;
 
@@ -121,11 +124,14 @@ mod tests {
         let ((queue, saves), (tell, outcomes)) = (channel(), channel());
         let path = file.clone();
         let thread = std::thread::spawn(move || save_all(&path, &saves, &tell));
-        queue.send(b"laps".to_vec()).unwrap();
+        let car = vehicle_model::CarParams::builtin("barc").unwrap();
+        let track = Arc::new(vehicle_model::Track::builtin("l").unwrap());
+        let controller = Controller::new(controller::Config::default(), car, track).unwrap();
+        queue.send(controller.learned_data()).unwrap();
         assert!(outcomes.recv().unwrap().unwrap().contains("cannot save"));
         std::fs::remove_dir(&obstacle).unwrap();
         while outcomes.recv().unwrap().is_some() {}
-        assert_eq!(std::fs::read(&file).unwrap(), b"laps");
+        assert_eq!(std::fs::read(&file).unwrap(), controller.save());
         drop(queue);
         thread.join().unwrap();
     }

@@ -1,11 +1,11 @@
 //! Learned data on disk. A save never destroys the previous one.
 
 use std::fs::{self, File};
-use std::io::Write as _;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
-use controller::Controller;
+use controller::{Controller, Learned};
 
 /// Loads learned data into a controller.
 ///
@@ -33,23 +33,27 @@ pub fn save(path: &Path, controller: &Controller) -> Result<()> {
     if path.is_dir() {
         bail!("cannot save to {}: it is a folder, expected a file", path.display());
     }
-    write(path, &controller.save()).with_context(|| format!("cannot save {}", path.display()))
+    write(path, &controller.learned_data()).with_context(|| format!("cannot save {}", path.display()))
 }
 
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub(crate) fn write(path: &Path, learned: &Learned) -> io::Result<()> {
+    replace(path, |file| learned.write(&mut BufWriter::new(file)))
+}
+
+fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
     if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
         fs::create_dir_all(folder)?;
     }
     let next = suffixed(path, ".new");
-    let mut file = File::create(&next)?;
-    file.write_all(bytes)?;
+    let file = File::create(&next)?;
+    write(&file)?;
     file.sync_all()?;
     drop(file);
     if path.exists() {
         // A second name for the old file: it has a name at every moment.
         let old = backup(path);
         match fs::remove_file(&old) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
         }
         if fs::hard_link(path, &old).is_err() {
@@ -76,15 +80,17 @@ fn suffixed(path: &Path, suffix: &str) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
+
     use super::*;
 
     #[test]
     fn the_file_before_stays() {
         let folder = std::env::temp_dir().join(format!("lmpc-save-{}", std::process::id()));
         let path = folder.join("learned.lmpc");
-        write(&path, b"first").unwrap();
-        write(&path, b"second").unwrap();
-        write(&path, b"third").unwrap();
+        replace(&path, |mut file| file.write_all(b"first")).unwrap();
+        replace(&path, |mut file| file.write_all(b"second")).unwrap();
+        replace(&path, |mut file| file.write_all(b"third")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"third");
         assert_eq!(fs::read(backup(&path)).unwrap(), b"second");
         assert!(!suffixed(&path, ".new").exists());
