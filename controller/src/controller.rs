@@ -10,6 +10,7 @@ use crate::error::ConfigError;
 use crate::fhocp::Fhocp;
 use crate::learned_model::LearnedModel;
 use crate::learning::dataset::Lap;
+use crate::learning::regression::Scratch;
 use crate::learning::safe_set::SafeSet;
 use crate::memory::Memory;
 use crate::observe::Observer;
@@ -176,7 +177,8 @@ impl Controller {
     #[must_use]
     pub fn learned_model(&self, x: &State, u: &Input) -> LearnedModel {
         let data = &self.memory.derived.regression;
-        Workspace::model_at(&self.setup, data, x, u, &mut Default::default())
+        let mut scratch = Scratch::new(&self.setup.config.regression, 0);
+        Workspace::model_at(&self.setup, data, x, u, &mut scratch)
     }
 
     /// The configuration.

@@ -67,18 +67,18 @@ pub(crate) fn nominal_all(
     );
 }
 
-/// A^e, B^e, C^e at (x, u) and their support; zero without data.
+/// A^e, B^e, C^e at (x, u), the point of stage `t`, and their support; zero without data.
 pub(crate) fn error(
     data: &RegressionData,
     config: &RegressionConfig,
-    x: &State,
-    u: &Input,
+    t: usize,
+    (x, u): (&State, &Input),
     scratch: &mut Scratch,
 ) -> (Affine, f64) {
     if config.mode == RegressionMode::Nominal {
         return (Affine::default(), 0.0);
     }
-    let (gamma, support) = data.fit(&regressor(x, u), config, scratch);
+    let (gamma, support) = data.fit(t, &regressor(x, u), config, scratch);
     (gamma.affine(), support)
 }
 

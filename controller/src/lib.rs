@@ -17,6 +17,7 @@ mod controller;
 mod drive;
 mod error;
 pub mod fhocp;
+mod lanes;
 mod learn;
 mod learned_model;
 pub mod learning;

@@ -50,7 +50,7 @@ impl Workspace {
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
-            scratch: Scratch::new(&config.regression),
+            scratch: Scratch::new(&config.regression, n),
         }
     }
 
@@ -103,7 +103,8 @@ impl Workspace {
         self.supports.clear();
         for (t, ((x, acting), u)) in self.points.iter().zip(&memory.plan.u).enumerate() {
             let before = before(memory, t);
-            let (error, support) = learned_model::error(data, config, x, acting, &mut self.scratch);
+            let (error, support) =
+                learned_model::error(data, config, t, (x, acting), &mut self.scratch);
             let learned = self.problem.model[t] + error;
             self.problem.model[t] = if t == 0 {
                 setup.actuators.first_stage(&learned, before)
@@ -179,7 +180,8 @@ impl Workspace {
     ) -> LearnedModel {
         let mode = setup.config.regression.mode;
         let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
-        let (error, support) = learned_model::error(data, &setup.config.regression, x, u, scratch);
+        let (error, support) =
+            learned_model::error(data, &setup.config.regression, 0, (x, u), scratch);
         LearnedModel { nominal, error, support }
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use variation::By;
 
-use crate::model::{Model, ModelKind, PoseConvention, pose_rates, state_array};
+use crate::model::{Held, Model, ModelKind, PoseConvention, pose_rates, state_array};
 use crate::number::{Dual, Number, Real};
 use crate::state::{Input, NU, NX, State};
 
@@ -126,13 +126,14 @@ impl Discretized {
         kappa: &impl Fn(f64) -> f64,
     ) -> [T; NX] {
         let (substeps, h) = self.grid();
+        let u = Held::new(u);
         match self.model.kind {
             ModelKind::Dynamic => (0..substeps).fold(*x, |x, _| {
                 runge_kutta_4(&x, h, &|x: &[T; NX], _| {
-                    self.model.derivative_generic(x, u, x[4].real().map(kappa), grip)
+                    self.model.derivative_generic(x, &u, x[4].real().map(kappa), grip)
                 })
             }),
-            ModelKind::Kinematic => self.kinematic_step(x, u, substeps, h, kappa),
+            ModelKind::Kinematic => self.kinematic_step(x, &u, substeps, h, kappa),
         }
     }
 
@@ -141,18 +142,18 @@ impl Discretized {
     fn kinematic_step<T: Number>(
         &self,
         x: &[T; NX],
-        u: &[T; NU],
+        u: &Held<T>,
         substeps: usize,
         h: f64,
         kappa: &impl Fn(f64) -> f64,
     ) -> [T; NX] {
         let measured = [x[0], x[1], x[2]];
-        let reached = self.model.kinematic_velocities(x, u, self.dt);
-        let a = self.model.kinematic_rate(x, u);
+        let reached = self.model.kinematic_velocities(x[0], u, self.dt);
+        let a = self.model.kinematic_rate(x[0], u);
         let per_dt = 1.0 / self.dt;
         let velocities = |t: f64| match self.model.pose {
             PoseConvention::Held => measured,
-            PoseConvention::Algebraic => self.model.rolling_velocities(measured[0] + a * t, u[1]),
+            PoseConvention::Algebraic => self.model.rolling_velocities(measured[0] + a * t, u),
             PoseConvention::Interpolated => {
                 let share = t * per_dt;
                 std::array::from_fn(|i| measured[i] + (reached[i] - measured[i]) * share)

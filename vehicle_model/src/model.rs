@@ -42,6 +42,30 @@ pub enum PoseConvention {
     Algebraic,
 }
 
+/// An input that is held over a step, with what depends on it alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Held<T> {
+    pub(crate) a: T,
+    pub(crate) delta: T,
+    pub(crate) sin_delta: T,
+    pub(crate) cos_delta: T,
+}
+
+impl<T: Number> Held<T> {
+    /// The input [a, delta].
+    #[inline(always)]
+    pub(crate) fn new(u: &[T; NU]) -> Self {
+        let (sin_delta, cos_delta) = u[1].sin_cos();
+        Self { a: u[0], delta: u[1], sin_delta, cos_delta }
+    }
+
+    /// Tangent of the steering angle.
+    #[inline(always)]
+    pub(crate) fn tan_delta(&self) -> T {
+        self.sin_delta * self.cos_delta.recip()
+    }
+}
+
 /// A continuous-time model of one car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -66,7 +90,7 @@ impl Model {
     /// `kappa` [1/m].
     #[must_use]
     pub fn derivative(&self, x: &State, u: &Input, kappa: f64) -> [f64; NX] {
-        self.derivative_generic(&state_array(x), &[u.a, u.delta], kappa, &self.grip)
+        self.derivative_generic(&state_array(x), &Held::new(&[u.a, u.delta]), kappa, &self.grip)
     }
 
     /// Forces of both axles in this state.
@@ -89,7 +113,7 @@ impl Model {
     pub(crate) fn derivative_generic<T: Number>(
         &self,
         x: &[T; NX],
-        u: &[T; NU],
+        u: &Held<T>,
         kappa: T::Real,
         grip: &[T; 2],
     ) -> [T; NX] {
@@ -103,7 +127,7 @@ impl Model {
     pub(crate) fn velocity_rates<T: Number>(
         &self,
         v: &[T; 3],
-        u: &[T; NU],
+        u: &Held<T>,
         grip: &[T; 2],
     ) -> [T; 3] {
         match self.kind {
@@ -114,25 +138,20 @@ impl Model {
 
     /// Velocities of the kinematic model at the end of a step of `dt`.
     #[inline(always)]
-    pub(crate) fn kinematic_velocities<T: Number>(
-        &self,
-        x: &[T; NX],
-        u: &[T; NU],
-        dt: f64,
-    ) -> [T; 3] {
-        kinematic::velocities(&self.params, x[0] + self.kinematic_rate(x, u) * dt, u[1])
+    pub(crate) fn kinematic_velocities<T: Number>(&self, v_x: T, u: &Held<T>, dt: f64) -> [T; 3] {
+        self.rolling_velocities(v_x + self.kinematic_rate(v_x, u) * dt, u)
     }
 
     /// Longitudinal acceleration of the kinematic model.
     #[inline(always)]
-    pub(crate) fn kinematic_rate<T: Number>(&self, x: &[T; NX], u: &[T; NU]) -> T {
-        kinematic::speed_rate(&self.params, x[0], u[0])
+    pub(crate) fn kinematic_rate<T: Number>(&self, v_x: T, u: &Held<T>) -> T {
+        kinematic::speed_rate(&self.params, v_x, u.a)
     }
 
     /// Kinematic velocities at a speed.
     #[inline(always)]
-    pub(crate) fn rolling_velocities<T: Number>(&self, v_x: T, delta: T) -> [T; 3] {
-        kinematic::velocities(&self.params, v_x, delta)
+    pub(crate) fn rolling_velocities<T: Number>(&self, v_x: T, u: &Held<T>) -> [T; 3] {
+        kinematic::velocities(&self.params, v_x, u.tan_delta())
     }
 }
 

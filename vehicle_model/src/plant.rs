@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::discretized::runge_kutta_4;
 use crate::error::ModelError;
-use crate::model::{AxleForces, Model, ModelKind, state_array};
+use crate::model::{AxleForces, Held, Model, ModelKind, state_array};
 use crate::params::{CarParams, ParamProblem};
 use crate::state::{GlobalState, Input, State};
 use crate::track::Track;
@@ -165,7 +165,7 @@ impl Plant {
         let disturbance = &self.params.disturbance;
         self.model.grip = disturbance.grip(time, self.track.wrap(before.s));
         let (model, track) = (&self.model, &self.track);
-        let input = [u.a, u.delta];
+        let input = Held::new(&[u.a, u.delta]);
         let next = runge_kutta_4(&state_array(&before), h, &|x: &[f64; crate::NX], _| {
             let mut rates = model.derivative_generic(x, &input, track.kappa(x[4]), &model.grip);
             if disturbance.pushes() {

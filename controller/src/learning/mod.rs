@@ -4,4 +4,5 @@ pub mod dataset;
 pub(crate) mod grip;
 pub(crate) mod neighbors;
 pub mod regression;
+mod ridge;
 pub mod safe_set;

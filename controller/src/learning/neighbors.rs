@@ -10,12 +10,20 @@
 pub(crate) const DIMENSIONS: usize = 5;
 /// Points of a leaf.
 const LEAF: usize = 32;
+/// Points more than asked for that a search holds before it drops the farthest.
+const SPARE: usize = 16;
 
 /// A point of the tree.
 pub(crate) type Point = [f64; DIMENSIONS];
 
-/// A neighbour: squared distance and the index given at construction.
-pub(crate) type Neighbor = (f64, u32);
+/// A neighbour as one number: the bits of its squared distance, which order as what is not
+/// negative does, then its index.
+type Neighbor = u128;
+
+#[inline(always)]
+fn neighbor(squared: f64, index: u32) -> Neighbor {
+    (Neighbor::from(squared.to_bits()) << u32::BITS) | Neighbor::from(index)
+}
 
 /// The tree; the root is the first node, siblings are adjacent.
 #[derive(Debug, Clone, Default)]
@@ -69,10 +77,13 @@ impl Node {
 
     /// Squared distance to the box. Rounded like that to a point and summed in the same order,
     /// it is never greater than that to a point inside.
+    #[inline(always)]
     fn distance(&self, query: &Point) -> f64 {
         let mut squared = 0.0;
         for ((low, high), q) in self.low.iter().zip(&self.high).zip(query) {
-            let gap = (low - q).max(q - high).max(0.0);
+            let (under, over) = (low - q, q - high);
+            let gap = if under > over { under } else { over };
+            let gap = if gap > 0.0 { gap } else { 0.0 };
             squared += gap * gap;
         }
         squared
@@ -103,6 +114,7 @@ impl Leaf {
     }
 
     /// Squared distances of all places, free ones infinite.
+    #[inline(always)]
     fn distances(&self, query: &Point) -> [f64; LEAF] {
         let mut squared = [0.0; LEAF];
         for (axis, q) in self.points.iter().zip(query) {
@@ -175,26 +187,10 @@ impl Tree {
         let value = value(order[LEAF / 2]);
         self.nodes[at].below = Below::Split { first, axis: axis as u8, value };
     }
-
-    /// The `count` nearest points with squared distance below `limit`, into `found`, nearest
-    /// first.
-    pub(crate) fn nearest(
-        &self,
-        query: &Point,
-        count: usize,
-        limit: f64,
-        found: &mut Vec<Neighbor>,
-    ) {
-        found.clear();
-        if let Some(root) = self.nodes.first() {
-            Search { tree: self, query, count, limit, found }.below(root);
-        }
-        // A fixed order makes sums over neighbours reproducible.
-        found.sort_unstable_by(order);
-    }
 }
 
 /// Squared distance of two points, summed as the tree sums it.
+#[inline(always)]
 pub(crate) fn squared_distance(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b))
 }
@@ -203,99 +199,88 @@ fn coprime(a: usize, b: usize) -> bool {
     if b == 0 { a == 1 } else { coprime(b, a % b) }
 }
 
-fn order(a: &Neighbor, b: &Neighbor) -> std::cmp::Ordering {
-    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+/// Neighbours found, and the memory of the search.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Found {
+    /// Nodes yet to be looked into, with the squared distances of their boxes.
+    open: Vec<(f64, u32)>,
+    /// The nearest points so far, and some that may turn out not to be.
+    near: Vec<Neighbor>,
+    indices: Vec<u32>,
 }
 
-/// A search in progress; `found` is a heap with the farthest neighbour on top.
-struct Search<'a> {
-    tree: &'a Tree,
-    query: &'a Point,
-    count: usize,
-    limit: f64,
-    found: &'a mut Vec<Neighbor>,
-}
+impl Found {
+    /// Room for `count` neighbours.
+    pub(crate) fn new(count: usize) -> Self {
+        Self {
+            open: Vec::with_capacity(128),
+            near: Vec::with_capacity(count + SPARE + LEAF),
+            indices: Vec::with_capacity(count),
+        }
+    }
 
-impl Search<'_> {
-    fn below(&mut self, node: &Node) {
-        let tree = self.tree;
-        match node.below {
-            Below::Leaf { leaf } => self.leaf(&tree.leaves[leaf as usize]),
-            Below::Split { first, .. } => {
-                let [a, b] = [0, 1].map(|i| &tree.nodes[first as usize + i]);
-                let (mut near, mut far) =
-                    ((a.distance(self.query), a), (b.distance(self.query), b));
-                if far.0 < near.0 {
-                    (near, far) = (far, near);
-                }
-                for (distance, node) in [near, far] {
-                    // `<=` keeps points as far as the farthest in play: ties are broken by index.
-                    if distance <= self.reach() {
-                        self.below(node);
+    /// Finds the `count` nearest points with a squared distance of at most `limit`.
+    #[inline(always)]
+    pub(crate) fn nearest(&mut self, tree: &Tree, query: &Point, count: usize, limit: f64) {
+        // Points farther than this are none of the nearest; ties are broken by index at last.
+        let mut reach = limit;
+        self.near.clear();
+        self.open.clear();
+        self.open.extend(tree.nodes.first().map(|_| (0.0, 0)));
+        while let Some((distance, at)) = self.open.pop() {
+            if distance > reach {
+                continue;
+            }
+            match tree.nodes[at as usize].below {
+                Below::Leaf { leaf } => {
+                    self.take(&tree.leaves[leaf as usize], query, reach);
+                    if self.near.len() > count + SPARE {
+                        reach = self.keep(count);
                     }
                 }
+                Below::Split { first, .. } => {
+                    let children = [0, 1].map(|i| {
+                        let child = first + i;
+                        (tree.nodes[child as usize].distance(query), child)
+                    });
+                    // The nearer one on top: what it holds may spare the other.
+                    let [a, b] = children;
+                    self.open.extend(if b.0 < a.0 { [a, b] } else { [b, a] });
+                }
+            }
+        }
+        if self.near.len() > count {
+            self.keep(count);
+        }
+        self.indices.clear();
+        // The low bits are the index.
+        self.indices.extend(self.near.iter().map(|neighbor| *neighbor as u32));
+        // A fixed order makes sums over neighbours reproducible.
+        self.indices.sort_unstable();
+    }
+
+    /// Indices of the neighbours, in rising order.
+    pub(crate) fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// Takes the points of a leaf that are within reach.
+    #[inline(always)]
+    fn take(&mut self, leaf: &Leaf, query: &Point, reach: f64) {
+        let squared = leaf.distances(query);
+        for (squared, index) in squared.iter().zip(&leaf.indices).take(leaf.len) {
+            if *squared <= reach {
+                self.near.push(neighbor(*squared, *index));
             }
         }
     }
 
-    /// Squared distance beyond which no point can enter.
-    fn reach(&self) -> f64 {
-        if self.found.len() < self.count { self.limit } else { self.found[0].0 }
-    }
-
-    fn leaf(&mut self, leaf: &Leaf) {
-        let distances = leaf.distances(self.query);
-        for (squared, index) in distances.into_iter().zip(leaf.indices).take(leaf.len) {
-            if squared <= self.reach() {
-                self.consider((squared, index));
-            }
-        }
-    }
-
-    fn consider(&mut self, candidate: Neighbor) {
-        if candidate.0 >= self.limit {
-            return;
-        }
-        if self.found.len() < self.count {
-            self.found.push(candidate);
-            self.rise();
-        } else if order(&candidate, &self.found[0]).is_lt() {
-            self.found[0] = candidate;
-            self.sink();
-        }
-    }
-
-    fn rise(&mut self) {
-        let mut i = self.found.len() - 1;
-        while i > 0 {
-            let parent = (i - 1) / 2;
-            if order(&self.found[i], &self.found[parent]).is_le() {
-                break;
-            }
-            self.found.swap(i, parent);
-            i = parent;
-        }
-    }
-
-    fn sink(&mut self) {
-        let (mut i, n) = (0, self.found.len());
-        loop {
-            let left = 2 * i + 1;
-            if left >= n {
-                break;
-            }
-            let right = left + 1;
-            let child = if right < n && order(&self.found[right], &self.found[left]).is_gt() {
-                right
-            } else {
-                left
-            };
-            if order(&self.found[child], &self.found[i]).is_le() {
-                break;
-            }
-            self.found.swap(i, child);
-            i = child;
-        }
+    /// Keeps the `count` nearest points; returns the squared distance of the farthest of them.
+    fn keep(&mut self, count: usize) -> f64 {
+        let (_, farthest, _) = self.near.select_nth_unstable(count - 1);
+        let reach = f64::from_bits((*farthest >> u32::BITS) as u64);
+        self.near.truncate(count);
+        reach
     }
 }
 
@@ -307,6 +292,7 @@ mod tests {
     #[test]
     fn same_neighbors_as_a_linear_scan() {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(1);
+        let mut found = Found::new(5);
         for n in [0, 1, 7, 33, 100, 1000, 5000] {
             // Coarse values make ties likely.
             let points: Vec<Point> = (0..n)
@@ -320,17 +306,18 @@ mod tests {
             for count in [1, 5, 40] {
                 for limit in [0.3, 2.0, f64::INFINITY] {
                     let query = [(); DIMENSIONS].map(|()| rng.random_range(0.0..3.0));
-                    let mut scan: Vec<Neighbor> = points
+                    let mut scan: Vec<(f64, u32)> = points
                         .iter()
                         .zip(0..)
                         .map(|(p, i)| (squared_distance(p, &query), i))
-                        .filter(|(squared, _)| *squared < limit)
+                        .filter(|(squared, _)| *squared <= limit)
                         .collect();
-                    scan.sort_unstable_by(order);
+                    scan.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                     scan.truncate(count);
-                    let mut found = Vec::new();
-                    tree.nearest(&query, count, limit, &mut found);
-                    assert_eq!(found, scan);
+                    let mut indices: Vec<u32> = scan.iter().map(|(_, i)| *i).collect();
+                    indices.sort_unstable();
+                    found.nearest(&tree, &query, count, limit);
+                    assert_eq!(found.indices(), indices);
                 }
             }
         }

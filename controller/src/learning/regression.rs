@@ -13,16 +13,14 @@
 //! The kernel takes the squared distance u: with it the paper's study of h is reproduced.
 //! Neither s, e_y nor e_psi are in z, so that data of other corners count.
 
-use nalgebra::{SMatrix, SVector};
+use pulp::{Arch, Simd, WithSimd};
 use vehicle_model::{Input, State};
 
 use super::dataset::Lap;
-use super::neighbors::{DIMENSIONS, Neighbor, Point, Tree, squared_distance};
-use crate::affine::Affine;
-use crate::config::{Features, RegressionConfig};
-
-/// Velocity rows: v_x, v_y, omega_z.
-pub const ROWS: usize = 3;
+use super::neighbors::{DIMENSIONS, Found, Point, Tree, squared_distance};
+use super::ridge::Columns;
+pub use super::ridge::{Gamma, ROWS, Weighted, ridge};
+use crate::config::RegressionConfig;
 
 /// Point of the regression's space: [v_x, v_y, omega_z, a, delta].
 #[must_use]
@@ -32,96 +30,9 @@ pub fn regressor(x: &State, u: &Input) -> [f64; DIMENSIONS] {
 
 /// Epanechnikov kernel of the squared distance u with bandwidth h.
 #[must_use]
+#[inline]
 pub fn epanechnikov(u: f64, h: f64) -> f64 {
     if u < h { 0.75 * (1.0 - (u / h) * (u / h)) } else { 0.0 }
-}
-
-/// A regression sample with its weight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weighted {
-    /// [v_x, v_y, omega_z, a, delta].
-    pub z: [f64; DIMENSIONS],
-    /// Target of each velocity row.
-    pub y: [f64; ROWS],
-    /// Kernel weight.
-    pub weight: f64,
-}
-
-/// Coefficients Gamma of each velocity row on [v_x, v_y, omega_z, a, delta, 1]; 0 where the row
-/// does not have the feature.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Gamma(pub [[f64; DIMENSIONS + 1]; ROWS]);
-
-impl Gamma {
-    /// The regression's part of the affine model: A^e, B^e, C^e.
-    #[must_use]
-    pub fn affine(&self) -> Affine {
-        let mut model = Affine::default();
-        for (row, gamma) in self.0.iter().enumerate() {
-            let [v_x, v_y, omega_z, a, delta, one] = *gamma;
-            model.a[(row, 0)] = v_x;
-            model.a[(row, 1)] = v_y;
-            model.a[(row, 2)] = omega_z;
-            model.b[(row, 0)] = a;
-            model.b[(row, 1)] = delta;
-            model.c[row] = one;
-        }
-        model
-    }
-}
-
-/// Weighted ridge regression of all three rows.
-#[must_use]
-pub fn ridge(samples: &[Weighted], eps: f64, features: Features) -> Gamma {
-    let mut gamma = Gamma::default();
-    match features {
-        Features::Own => {
-            let longitudinal = solve(samples, eps, [0, 1, 2, 3], [0]);
-            let lateral = solve(samples, eps, [0, 1, 2, 4], [1, 2]);
-            place::<4, 5, 1>(&mut gamma, &longitudinal, [0, 1, 2, 3], [0]);
-            place::<4, 5, 2>(&mut gamma, &lateral, [0, 1, 2, 4], [1, 2]);
-        }
-        Features::Both => {
-            let all = solve(samples, eps, [0, 1, 2, 3, 4], [0, 1, 2]);
-            place::<5, 6, 3>(&mut gamma, &all, [0, 1, 2, 3, 4], [0, 1, 2]);
-        }
-    }
-    gamma
-}
-
-/// Normal equations (Phi' W Phi + eps I) Gamma = Phi' W Y of the rows that share features.
-fn solve<const F: usize, const F1: usize, const R: usize>(
-    samples: &[Weighted],
-    eps: f64,
-    features: [usize; F],
-    rows: [usize; R],
-) -> SMatrix<f64, F1, R> {
-    let mut gram = SMatrix::<f64, F1, F1>::identity() * eps;
-    let mut moment = SMatrix::<f64, F1, R>::zeros();
-    for sample in samples {
-        let phi =
-            SVector::<f64, F1>::from_fn(|i, _| if i < F { sample.z[features[i]] } else { 1.0 });
-        let y = SVector::<f64, R>::from_fn(|i, _| sample.y[rows[i]]);
-        let weighted = phi * sample.weight;
-        gram.ger(1.0, &weighted, &phi, 1.0);
-        moment.ger(1.0, &weighted, &y, 1.0);
-    }
-    // eps > 0 makes the Gram matrix positive definite; overflow alone can spoil it.
-    gram.cholesky().map_or_else(SMatrix::zeros, |factor| factor.solve(&moment))
-}
-
-fn place<const F: usize, const F1: usize, const R: usize>(
-    gamma: &mut Gamma,
-    solution: &SMatrix<f64, F1, R>,
-    features: [usize; F],
-    rows: [usize; R],
-) {
-    for (r, &row) in rows.iter().enumerate() {
-        for (f, &feature) in features.iter().enumerate() {
-            gamma.0[row][feature] = solution[(f, r)];
-        }
-        gamma.0[row][DIMENSIONS] = solution[(F, r)];
-    }
 }
 
 /// Regression samples of one lap. They depend on the lap and on the nominal model alone, so that
@@ -162,19 +73,27 @@ pub(crate) struct RegressionData {
     laps: Vec<(usize, usize)>,
 }
 
-/// Memory a fit needs, reused from step to step; the neighbours found last are where the next
-/// search begins.
-#[derive(Debug, Clone, Default)]
+/// Memory that fits need, reused from step to step.
+#[derive(Debug, Clone)]
 pub(crate) struct Scratch {
-    neighbors: Vec<Neighbor>,
-    samples: Vec<Weighted>,
+    /// The widest vectors this processor has.
+    arch: Arch,
+    found: Found,
+    /// Neighbours found last at each stage of the horizon.
+    last: Vec<Vec<u32>>,
+    samples: Columns,
 }
 
 impl Scratch {
-    /// Room for the neighbours of a fit.
-    pub(crate) fn new(config: &RegressionConfig) -> Self {
+    /// Room for the neighbours of every stage.
+    pub(crate) fn new(config: &RegressionConfig, stages: usize) -> Self {
         let count = config.neighbors;
-        Self { neighbors: Vec::with_capacity(count), samples: Vec::with_capacity(count) }
+        Self {
+            arch: Arch::new(),
+            found: Found::new(count),
+            last: (0..stages).map(|_| Vec::with_capacity(count)).collect(),
+            samples: Columns::with_capacity(count),
+        }
     }
 }
 
@@ -221,50 +140,82 @@ impl RegressionData {
         self.tree.extend(&points);
     }
 
-    /// Fit around z_bar: Gamma, and the sum of the kernel weights that support it.
+    /// Fit around z_bar, the point of stage `t`: Gamma, and the sum of the kernel weights that
+    /// support it.
     ///
     /// Without data inside the bandwidth Gamma is exactly zero.
     pub(crate) fn fit(
         &self,
+        t: usize,
         z_bar: &[f64; DIMENSIONS],
         config: &RegressionConfig,
         scratch: &mut Scratch,
     ) -> (Gamma, f64) {
-        let query = scaled(z_bar, &self.scale);
-        let h = config.bandwidth;
-        let limit = h.min(self.reach(&query, config.neighbors, &scratch.neighbors));
-        self.tree.nearest(&query, config.neighbors, limit, &mut scratch.neighbors);
-        scratch.samples.clear();
-        let mut support = 0.0;
-        for &(u, index) in &scratch.neighbors {
-            let i = index as usize;
-            let weight = epanechnikov(u, h);
-            support += weight;
-            scratch.samples.push(Weighted { z: self.z[i], y: self.y[i], weight });
-        }
-        if support > 0.0 {
-            (ridge(&scratch.samples, config.ridge, config.features), support)
-        } else {
-            (Gamma::default(), 0.0)
-        }
+        scratch.arch.dispatch(Fit { data: self, t, z_bar, config, scratch })
     }
 
-    /// A squared distance within which `count` samples lie for certain: those found for the point
-    /// before, which is near. Where the search looks first makes no difference to what it finds.
-    fn reach(&self, query: &Point, count: usize, before: &[Neighbor]) -> f64 {
+    /// A squared distance within which `count` samples lie for certain: those found before for a
+    /// point that was near. Where the search looks first makes no difference to what it finds.
+    #[inline(always)]
+    fn reach(&self, query: &Point, count: usize, before: &[u32]) -> f64 {
         if before.len() < count {
             return f64::INFINITY;
         }
         let mut farthest: f64 = 0.0;
-        for &(_, index) in before {
+        for index in before {
             // Indices may be those of data that are no more.
-            let Some(z) = self.z.get(index as usize) else { return f64::INFINITY };
-            farthest = farthest.max(squared_distance(&scaled(z, &self.scale), query));
+            let Some(z) = self.z.get(*index as usize) else { return f64::INFINITY };
+            let squared = squared_distance(&scaled(z, &self.scale), query);
+            farthest = if squared > farthest { squared } else { farthest };
         }
-        farthest.next_up()
+        farthest
     }
 }
 
+/// One fit, compiled once for each instruction set.
+struct Fit<'a> {
+    data: &'a RegressionData,
+    t: usize,
+    z_bar: &'a [f64; DIMENSIONS],
+    config: &'a RegressionConfig,
+    scratch: &'a mut Scratch,
+}
+
+impl WithSimd for Fit<'_> {
+    type Output = (Gamma, f64);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> (Gamma, f64) {
+        let Self { data, t, z_bar, config, scratch: Scratch { found, last, samples, .. } } = self;
+        let query = scaled(z_bar, &data.scale);
+        let h = config.bandwidth;
+        // The plan was shifted: what is stage t now was the stage behind it a period ago.
+        let before = last.get((t + 1).min(last.len().saturating_sub(1)));
+        let reach = data.reach(&query, config.neighbors, before.map_or(&[], Vec::as_slice));
+        // At the bandwidth the weight is 0.
+        let limit = if reach < h { reach } else { h.next_down() };
+        found.nearest(&data.tree, &query, config.neighbors, limit);
+        samples.clear();
+        let mut support = 0.0;
+        for &index in found.indices() {
+            let (z, y) = (data.z[index as usize], data.y[index as usize]);
+            let weight = epanechnikov(squared_distance(&scaled(&z, &data.scale), &query), h);
+            support += weight;
+            samples.push(&Weighted { z, y, weight });
+        }
+        if let Some(last) = last.get_mut(t) {
+            last.clear();
+            last.extend_from_slice(found.indices());
+        }
+        if support > 0.0 {
+            (samples.ridge(config.ridge, config.features), support)
+        } else {
+            (Gamma::default(), 0.0)
+        }
+    }
+}
+
+#[inline(always)]
 fn scaled(z: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Point {
     std::array::from_fn(|i| z[i] * scale[i])
 }
@@ -287,7 +238,7 @@ mod tests {
             lap
         };
         let laps = [lap(150), lap(0), lap(90), lap(200)];
-        let (mut grown, mut scratch) = (RegressionData::new(&config), Scratch::new(&config));
+        let (mut grown, mut scratch) = (RegressionData::new(&config), Scratch::new(&config, 3));
         let points: Vec<_> = lap(20).z;
         for (first, end) in [(0, 1), (0, 3), (1, 4), (3, 4), (4, 4)] {
             grown.forget_before(first);
@@ -297,10 +248,10 @@ mod tests {
             }
             let mut once = RegressionData::new(&config);
             (first..end).for_each(|i| once.add(i, &laps[i]));
-            for z in &points {
+            for (t, z) in points.iter().enumerate() {
                 // The one begins where it was before, the other anywhere.
-                let fit = grown.fit(z, &config, &mut scratch);
-                assert_eq!(fit, once.fit(z, &config, &mut Scratch::new(&config)));
+                let fit = grown.fit(t % 4, z, &config, &mut scratch);
+                assert_eq!(fit, once.fit(0, z, &config, &mut Scratch::new(&config, 0)));
                 assert_eq!(fit.1 > 0.0, first < 4);
             }
         }

@@ -13,7 +13,7 @@ use nalgebra::{Matrix6, Matrix6x2, Vector6};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{Discretized, Linearization, Rates, runge_kutta_4};
-use crate::model::{pose_rates, state_array};
+use crate::model::{Held, pose_rates, state_array};
 use crate::number::{Dual, Lanes, Real};
 use crate::state::{Input, NU, NX, State};
 
@@ -108,7 +108,7 @@ fn integrate<T: Real>(
     }
     (y[Q], y[Q + 5]) = (one, one);
     let (substeps, h) = step.grid();
-    let system = System { step, u, by, kappa };
+    let system = System::new(step, u, by, kappa);
     for _ in 0..substeps {
         y = runge_kutta_4(&y, h, &system);
     }
@@ -140,55 +140,56 @@ fn unpack(y: impl Fn(usize) -> f64) -> Linearization {
 /// the vector instructions around it.
 struct System<'a, T, K> {
     step: &'a Discretized,
-    u: [T; NU],
-    by: By,
+    held: Held<Dual<T, N>>,
+    grip: [Dual<T, N>; 2],
     kappa: &'a K,
+}
+
+impl<'a, T: Real, K> System<'a, T, K> {
+    #[inline(always)]
+    fn new(step: &'a Discretized, u: [T; NU], by: By, kappa: &'a K) -> Self {
+        let grip = step.model.grip.map(|grip| u[0].constant(grip));
+        let parameters = |p: [T; 2]| [Dual::direction(p[0], 3), Dual::direction(p[1], 4)];
+        let (u, grip) = match by {
+            By::Input => (parameters(u), grip.map(Dual::fixed)),
+            By::Grip => (u.map(Dual::fixed), parameters(grip)),
+        };
+        Self { step, held: Held::new(&u), grip, kappa }
+    }
 }
 
 impl<T: Real, K: Fn(f64) -> f64> Rates<T, ALL> for System<'_, T, K> {
     #[inline(always)]
     fn rates(&self, y: &[T; ALL], _: f64) -> [T; ALL] {
-        rates(self.step, y, &self.u, self.by, y[4].map(self.kappa))
-    }
-}
+        let seed = Dual::<T, N>::direction;
+        let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
+        let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip);
+        let pose = [seed(y[3], 3), Dual::fixed(y[4]), seed(y[5], 4)];
+        let pose_dot = pose_rates(&v, &pose, y[4].map(self.kappa));
 
-/// Rates of state, V, P and Q.
-#[inline(always)]
-fn rates<T: Real>(step: &Discretized, y: &[T; ALL], u: &[T; NU], by: By, kappa: T) -> [T; ALL] {
-    let seed = Dual::<T, N>::direction;
-    let fixed = Dual::<T, N>::fixed;
-    let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
-    let [front, rear] = step.model.grip;
-    let grip = [y[0].constant(front), y[0].constant(rear)];
-    let (input, grip) = match by {
-        By::Input => ([seed(u[0], 3), seed(u[1], 4)], [fixed(grip[0]), fixed(grip[1])]),
-        By::Grip => ([fixed(u[0]), fixed(u[1])], [seed(grip[0], 3), seed(grip[1], 4)]),
-    };
-    let v_dot = step.model.velocity_rates(&v, &input, &grip);
-    let pose = [seed(y[3], 3), fixed(y[4]), seed(y[5], 4)];
-    let pose_dot = pose_rates(&v, &pose, kappa);
-
-    let mut rates = [y[0].constant(0.0); ALL];
-    for row in 0..3 {
-        rates[row] = v_dot[row].value;
-        rates[3 + row] = pose_dot[row].value;
-        let (by_v, by_pose) = (v_dot[row].gradient, pose_dot[row].gradient);
-        for column in 0..N {
-            let v = |i: usize| y[V + i * N + column];
-            let p = |i: usize| y[P + i * N + column];
-            let product = by_v[0] * v(0) + by_v[1] * v(1) + by_v[2] * v(2);
-            rates[V + row * N + column] = if column < 3 { product } else { product + by_v[column] };
-            // The curvature is frozen: no rate depends on s.
-            rates[P + row * N + column] = by_pose[0] * v(0)
-                + by_pose[1] * v(1)
-                + by_pose[2] * v(2)
-                + by_pose[3] * p(0)
-                + by_pose[4] * p(2);
+        let mut rates = [y[0].constant(0.0); ALL];
+        for row in 0..3 {
+            rates[row] = v_dot[row].value;
+            rates[3 + row] = pose_dot[row].value;
+            let (by_v, by_pose) = (v_dot[row].gradient, pose_dot[row].gradient);
+            for column in 0..N {
+                let v = |i: usize| y[V + i * N + column];
+                let p = |i: usize| y[P + i * N + column];
+                let product = by_v[0] * v(0) + by_v[1] * v(1) + by_v[2] * v(2);
+                rates[V + row * N + column] =
+                    if column < 3 { product } else { product + by_v[column] };
+                // The curvature is frozen: no rate depends on s.
+                rates[P + row * N + column] = by_pose[0] * v(0)
+                    + by_pose[1] * v(1)
+                    + by_pose[2] * v(2)
+                    + by_pose[3] * p(0)
+                    + by_pose[4] * p(2);
+            }
+            for column in 0..POSE.len() {
+                let q = |i: usize| y[Q + i * POSE.len() + column];
+                rates[Q + row * POSE.len() + column] = by_pose[3] * q(0) + by_pose[4] * q(2);
+            }
         }
-        for column in 0..POSE.len() {
-            let q = |i: usize| y[Q + i * POSE.len() + column];
-            rates[Q + row * POSE.len() + column] = by_pose[3] * q(0) + by_pose[4] * q(2);
-        }
+        rates
     }
-    rates
 }

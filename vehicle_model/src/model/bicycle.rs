@@ -8,7 +8,7 @@
 //! acts along the wheel: cos(delta) of it forward, sin(delta) to the left.
 
 use super::axles::{AxleForces, Longitudinal, longitudinal, vertical_loads};
-use super::{kinematic, tyre};
+use super::{Held, kinematic, tyre};
 use crate::number::{Number, Real};
 use crate::params::{CarParams, Tyre};
 use crate::state::NU;
@@ -22,7 +22,7 @@ const MIN_ELLIPSE_SHARE: f64 = 0.05;
 pub(super) fn velocity_rates<T: Number>(
     car: &CarParams,
     v: &[T; 3],
-    u: &[T; NU],
+    u: &Held<T>,
     grip: &[T; 2],
 ) -> [T; 3] {
     let (low, high) = (car.blend_speed_low, car.blend_speed_high);
@@ -49,11 +49,11 @@ pub(super) fn velocity_rates<T: Number>(
 
 /// Rates by the tyre forces alone.
 #[inline(always)]
-fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU], grip: &[T; 2]) -> [T; 3] {
+fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &Held<T>, grip: &[T; 2]) -> [T; 3] {
     let [v_x, v_y, omega_z] = *v;
-    let (sin_delta, cos_delta) = u[1].sin_cos();
-    let along = longitudinal(car, v_x, u[0]);
-    let forces = axle_forces(car, v, u[1], grip, &along);
+    let Held { a, delta, sin_delta, cos_delta } = *u;
+    let along = longitudinal(car, v_x, a);
+    let forces = axle_forces(car, v, delta, grip, &along);
     let [f_yf, f_yr] = forces.lateral;
     let [f_xf, f_xr] = forces.long;
 

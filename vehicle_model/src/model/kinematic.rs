@@ -4,10 +4,10 @@
 //!
 //! As a six-state model v_y and omega_z are states that follow these values.
 
+use super::Held;
 use super::axles::longitudinal;
 use crate::number::Number;
 use crate::params::CarParams;
-use crate::state::NU;
 
 /// Time in which v_y and omega_z follow the rolling values where the continuous model needs
 /// rates: slow enough for RK4 with 0.1 s, faster than any change a driver makes [s].
@@ -15,8 +15,8 @@ const FOLLOW_TIME: f64 = 0.05;
 
 /// Velocities [v_x, v_y, omega_z] of a car that rolls.
 #[inline(always)]
-pub(super) fn velocities<T: Number>(car: &CarParams, v_x: T, delta: T) -> [T; 3] {
-    let omega_z = v_x * delta.tan() * (1.0 / car.wheelbase());
+pub(super) fn velocities<T: Number>(car: &CarParams, v_x: T, tan_delta: T) -> [T; 3] {
+    let omega_z = v_x * tan_delta * (1.0 / car.wheelbase());
     [v_x, omega_z * car.l_r, omega_z]
 }
 
@@ -33,10 +33,11 @@ pub(super) fn speed_rate<T: Number>(car: &CarParams, v_x: T, a: T) -> T {
 
 /// Rates of v_x, v_y and omega_z towards the rolling values.
 #[inline(always)]
-pub(super) fn velocity_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &[T; NU]) -> [T; 3] {
-    let a = speed_rate(car, v[0], u[0]);
-    let rolling = velocities(car, v[0], u[1]);
-    let along = velocities(car, a, u[1]);
+pub(super) fn velocity_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &Held<T>) -> [T; 3] {
+    let a = speed_rate(car, v[0], u.a);
+    let tan_delta = u.tan_delta();
+    let rolling = velocities(car, v[0], tan_delta);
+    let along = velocities(car, a, tan_delta);
     let follow = |i: usize| along[i] + (rolling[i] - v[i]) * (1.0 / FOLLOW_TIME);
     [a, follow(1), follow(2)]
 }

@@ -45,13 +45,6 @@ pub(crate) trait Number:
     /// `yes` where the mask holds, else `no`.
     fn select(mask: Mask<Self>, yes: Self, no: Self) -> Self;
 
-    /// Tangent.
-    #[inline(always)]
-    fn tan(self) -> Self {
-        let (sin, cos) = self.sin_cos();
-        sin * cos.recip()
-    }
-
     /// Absolute value.
     #[inline(always)]
     fn abs(self) -> Self {

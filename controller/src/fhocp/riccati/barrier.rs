@@ -15,6 +15,8 @@
 //! the Riccati recursion; with it, sigma stays below 1 / delta. What is left of r vanishes with
 //! dz: the point of convergence is not moved.
 
+use crate::lanes::dot;
+
 /// Rows as flat arrays of one length.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Barrier {
@@ -188,20 +190,4 @@ impl Barrier {
             *z += step * dz;
         }
     }
-}
-
-/// Inner product in independent lanes.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let tail = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b);
-    let tail: f64 = tail.sum();
-    let mut sums = [0.0; LANES];
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for l in 0..LANES {
-            sums[l] += a[l] * b[l];
-        }
-    }
-    sums.iter().sum::<f64>() + tail
 }
