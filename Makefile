@@ -40,7 +40,7 @@ lint:
 	cargo deny check licenses bans sources
 
 bench:
-	cargo bench -p controller
+	cargo bench -p controller -p vehicle_bridge
 
 clean:
 	cargo clean

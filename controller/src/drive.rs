@@ -210,7 +210,7 @@ impl Controller {
                 &self.setup.track,
                 x_0.v_x.max(self.setup.config.warm_up.speed),
             );
-            x = self.setup.model.next(&x, &u, |s| self.setup.track.kappa(s));
+            x = self.setup.model.next(&x, &u, self.setup.track.kappa_along());
             memory.plan.u.push(u);
             memory.plan.x.push(x);
             memory.plan_tail = u;

@@ -18,6 +18,20 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     rest.fold(total(sums), |sum, (a, b)| sum + a * b)
 }
 
+/// Sum.
+#[inline(always)]
+pub(crate) fn sum(values: &[f64]) -> f64 {
+    let chunks = values.chunks_exact(LANES);
+    let rest = chunks.remainder().iter();
+    let mut sums = [0.0; LANES];
+    for values in chunks {
+        for l in 0..LANES {
+            sums[l] += values[l];
+        }
+    }
+    rest.fold(total(sums), |sum, value| sum + value)
+}
+
 /// Sum of the lanes, half to half.
 #[inline(always)]
 fn total(sums: [f64; LANES]) -> f64 {

@@ -63,7 +63,7 @@ impl Controller {
             if !error {
                 return next;
             }
-            let f = model.next(x, u, |s| track.kappa(s));
+            let f = model.next(x, u, track.kappa_along());
             [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
         })
     }

@@ -56,15 +56,11 @@ pub(crate) fn nominal_all(
         }
         return;
     }
-    model.linearize_all(
-        points,
-        |s| track.kappa(s),
-        |i, linear| {
-            let (x, u) = &points[i];
-            let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
-            affine[i] = Affine { a: linear.a, b: linear.b, c };
-        },
-    );
+    model.linearize_all(points, track.kappa_along(), |i, linear| {
+        let (x, u) = &points[i];
+        let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
+        affine[i] = Affine { a: linear.a, b: linear.b, c };
+    });
 }
 
 /// A^e, B^e, C^e at (x, u), the point of stage `t`, and their support; zero without data.

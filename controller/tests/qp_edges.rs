@@ -8,7 +8,7 @@ use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{
     Backend, ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, SolveReport, Solver,
 };
-use nalgebra::{Matrix6, Vector2, Vector6};
+use nalgebra::{Matrix6, Vector2};
 use support::random::random;
 
 fn config(method: SolverMethod) -> SolverConfig {
@@ -107,15 +107,6 @@ fn exploding_predictions_never_give_nan() {
             assert!(solution.is_finite(), "seed {seed}, rate {rate}: {report:?}");
         }
     }
-}
-
-#[test]
-fn growth_of_the_prediction() {
-    let mut problem = Fhocp::new(4, 1);
-    for model in &mut problem.model {
-        model.a = Matrix6::from_diagonal(&Vector6::new(10.0, 1.0, 1.0, 1.0, 1.0, 0.1));
-    }
-    assert_eq!(problem.growth(), 1e4);
 }
 
 #[test]

@@ -173,14 +173,38 @@ impl Discretized {
 
 /// Rates of change of a system.
 pub(crate) trait Rates<T, const N: usize> {
-    /// Rates at `x`, at time `t` since the start of a step.
-    fn rates(&self, x: &[T; N], t: f64) -> [T; N];
+    /// Gives the rates at `x`, at time `t` since the start of a step, one by one to `stage`.
+    fn rates(&self, x: &[T; N], t: f64, stage: &mut Stage<T, N>);
 }
 
-impl<T, const N: usize, F: Fn(&[T; N], f64) -> [T; N]> Rates<T, N> for F {
+impl<T: Number, const N: usize, F: Fn(&[T; N], f64) -> [T; N]> Rates<T, N> for F {
     #[inline(always)]
-    fn rates(&self, x: &[T; N], t: f64) -> [T; N] {
-        self(x, t)
+    fn rates(&self, x: &[T; N], t: f64, stage: &mut Stage<T, N>) {
+        for (i, rate) in self(x, t).into_iter().enumerate() {
+            stage.take(i, rate);
+        }
+    }
+}
+
+/// One evaluation of a Runge-Kutta step: what becomes of a rate as soon as it is known.
+pub(crate) struct Stage<'a, T, const N: usize> {
+    /// Where the step begins.
+    x: &'a [T; N],
+    /// Where it ends, so far.
+    next: &'a mut [T; N],
+    /// Where the next evaluation is made.
+    ahead: &'a mut [T; N],
+    /// The evaluation's part of the step, and how far the next one is ahead.
+    part: f64,
+    reach: f64,
+}
+
+impl<T: Number, const N: usize> Stage<'_, T, N> {
+    /// Takes the rate of quantity `i`.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, i: usize, rate: T) {
+        self.next[i] = self.next[i] + rate * self.part;
+        self.ahead[i] = self.x[i] + rate * self.reach;
     }
 }
 
@@ -192,14 +216,14 @@ pub(crate) fn runge_kutta_4<T: Number, const N: usize>(
     f: &impl Rates<T, N>,
 ) -> [T; N] {
     // As a loop the rates stand once in the program: short enough to be compiled in place.
-    let (mut next, mut at) = (*x, *x);
+    let (mut next, mut one, mut other) = (*x, *x, *x);
+    let (mut at, mut ahead) = (&mut one, &mut other);
     // Time of each evaluation, its weight in the sum, and where the next one is made.
-    for (t, weight, ahead) in [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)] {
-        let k = f.rates(&at, t * h);
-        for i in 0..N {
-            next[i] = next[i] + k[i] * (weight * h / 6.0);
-            at[i] = x[i] + k[i] * (ahead * h);
-        }
+    for (t, weight, reach) in [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)] {
+        let (part, reach) = (weight * h / 6.0, reach * h);
+        let mut stage = Stage { x, next: &mut next, ahead, part, reach };
+        f.rates(at, t * h, &mut stage);
+        std::mem::swap(&mut at, &mut ahead);
     }
     next
 }

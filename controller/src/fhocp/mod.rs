@@ -21,7 +21,7 @@ mod riccati;
 mod slacks;
 mod solver;
 
-use nalgebra::{Matrix6, Vector2, Vector6};
+use nalgebra::{Vector2, Vector6};
 use serde::{Deserialize, Serialize};
 
 pub use clarabel_solver::ClarabelSolver;
@@ -154,19 +154,6 @@ impl Fhocp {
             && rows.into_iter().all(|r| {
                 r.velocity.iter().all(|v| v.is_finite()) && (r.steering + r.offset).is_finite()
             })
-    }
-
-    /// Growth of the linear prediction: the greatest entry of |A_t ... A_0| over the horizon. Far
-    /// above 1 the plan's end depends on nothing but the first digits of its start.
-    #[must_use]
-    pub fn growth(&self) -> f64 {
-        let mut product = Matrix6::identity();
-        let mut growth: f64 = 1.0;
-        for model in &self.model {
-            product = model.a * product;
-            growth = growth.max(product.amax());
-        }
-        growth
     }
 
     /// The optimal value's formula, evaluated at a trajectory: slacks as small as it allows.

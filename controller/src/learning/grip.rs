@@ -37,7 +37,7 @@ pub(crate) fn fit<'a>(
         let mut gradient = (Vector2::repeat(1.0) - grip) * PULL;
         for sample in samples.clone() {
             let Some(measured) = sample.next else { continue };
-            let (next, jacobian) = model.grip_jacobian(&sample.x, &sample.u, |s| track.kappa(s));
+            let (next, jacobian) = model.grip_jacobian(&sample.x, &sample.u, track.kappa_along());
             for row in 0..3 {
                 let r = (measured[row] - next[row]) / SCALES[row];
                 let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / SCALES[row];

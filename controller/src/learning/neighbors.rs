@@ -12,6 +12,8 @@ pub(crate) const DIMENSIONS: usize = 5;
 const LEAF: usize = 32;
 /// Points more than asked for that a search holds before it drops the farthest.
 const SPARE: usize = 16;
+/// Points too many that are dropped one by one, which is faster than to select the others.
+const FEW: usize = 6;
 
 /// A point of the tree.
 pub(crate) type Point = [f64; DIMENSIONS];
@@ -249,9 +251,10 @@ impl Found {
                 }
             }
         }
-        if self.near.len() > count {
+        if self.near.len() > count + FEW {
             self.keep(count);
         }
+        self.drop_farthest(count);
         self.indices.clear();
         // The low bits are the index.
         self.indices.extend(self.near.iter().map(|neighbor| *neighbor as u32));
@@ -268,6 +271,11 @@ impl Found {
     #[inline(always)]
     fn take(&mut self, leaf: &Leaf, query: &Point, reach: f64) {
         let squared = leaf.distances(query);
+        // One by one only where there is any.
+        let near = squared.iter().fold(0, |near, squared| near + u32::from(*squared <= reach));
+        if near == 0 {
+            return;
+        }
         for (squared, index) in squared.iter().zip(&leaf.indices).take(leaf.len) {
             if *squared <= reach {
                 self.near.push(neighbor(*squared, *index));
@@ -281,6 +289,20 @@ impl Found {
         let reach = f64::from_bits((*farthest >> u32::BITS) as u64);
         self.near.truncate(count);
         reach
+    }
+
+    /// Drops the farthest points until `count` are left: where they are few.
+    #[inline(always)]
+    fn drop_farthest(&mut self, count: usize) {
+        while self.near.len() > count {
+            let (mut farthest, mut at) = (0, 0);
+            for (i, neighbor) in self.near.iter().enumerate() {
+                if *neighbor > farthest {
+                    (farthest, at) = (*neighbor, i);
+                }
+            }
+            self.near.swap_remove(at);
+        }
     }
 }
 

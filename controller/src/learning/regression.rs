@@ -81,6 +81,7 @@ pub(crate) struct Scratch {
     found: Found,
     /// Neighbours found last at each stage of the horizon.
     last: Vec<Vec<u32>>,
+    weights: Vec<f64>,
     samples: Columns,
 }
 
@@ -92,6 +93,7 @@ impl Scratch {
             arch: Arch::new(),
             found: Found::new(count),
             last: (0..stages).map(|_| Vec::with_capacity(count)).collect(),
+            weights: Vec::with_capacity(count),
             samples: Columns::with_capacity(count),
         }
     }
@@ -186,7 +188,8 @@ impl WithSimd for Fit<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> (Gamma, f64) {
-        let Self { data, t, z_bar, config, scratch: Scratch { found, last, samples, .. } } = self;
+        let Self { data, t, z_bar, config, scratch } = self;
+        let Scratch { found, last, weights, samples, .. } = scratch;
         let query = scaled(z_bar, &data.scale);
         let h = config.bandwidth;
         // The plan was shifted: what is stage t now was the stage behind it a period ago.
@@ -195,14 +198,14 @@ impl WithSimd for Fit<'_> {
         // At the bandwidth the weight is 0.
         let limit = if reach < h { reach } else { h.next_down() };
         found.nearest(&data.tree, &query, config.neighbors, limit);
-        samples.clear();
-        let mut support = 0.0;
+        let near = || found.indices().iter().map(|i| (&data.z[*i as usize], &data.y[*i as usize]));
+        weights.clear();
         for &index in found.indices() {
-            let (z, y) = (data.z[index as usize], data.y[index as usize]);
-            let weight = epanechnikov(squared_distance(&scaled(&z, &data.scale), &query), h);
-            support += weight;
-            samples.push(&Weighted { z, y, weight });
+            let z = scaled(&data.z[index as usize], &data.scale);
+            weights.push(epanechnikov(squared_distance(&z, &query), h));
         }
+        let support = weights.iter().sum();
+        samples.set(weights, near());
         if let Some(last) = last.get_mut(t) {
             last.clear();
             last.extend_from_slice(found.indices());

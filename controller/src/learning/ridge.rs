@@ -51,9 +51,8 @@ impl Gamma {
 #[must_use]
 pub fn ridge(samples: &[Weighted], eps: f64, features: Features) -> Gamma {
     let mut columns = Columns::default();
-    for sample in samples {
-        columns.push(sample);
-    }
+    let weights: Vec<f64> = samples.iter().map(|sample| sample.weight).collect();
+    columns.set(&weights, samples.iter().map(|sample| (&sample.z, &sample.y)));
     columns.ridge(eps, features)
 }
 
@@ -79,20 +78,28 @@ impl Columns {
         }
     }
 
+    /// Takes these samples in place of those before.
     #[inline(always)]
-    pub(crate) fn clear(&mut self) {
-        self.weight.clear();
-        self.phi.iter_mut().chain(&mut self.y).for_each(Vec::clear);
-    }
-
-    #[inline(always)]
-    pub(crate) fn push(&mut self, sample: &Weighted) {
-        self.weight.push(sample.weight);
-        for (column, value) in self.phi.iter_mut().zip(sample.z.iter().chain(&[1.0])) {
-            column.push(*value);
+    pub(crate) fn set<'a>(
+        &mut self,
+        weights: &[f64],
+        samples: impl Iterator<Item = (&'a [f64; DIMENSIONS], &'a [f64; ROWS])>,
+    ) {
+        let Self { weight, phi, y, .. } = self;
+        for column in phi.iter_mut().chain(y.iter_mut()).chain([&mut *weight]) {
+            column.resize(weights.len(), 1.0);
         }
-        for (column, value) in self.y.iter_mut().zip(&sample.y) {
-            column.push(*value);
+        weight.copy_from_slice(weights);
+        let [v_x, v_y, omega_z, a, delta, _] = phi;
+        let inputs = a.iter_mut().zip(delta);
+        let velocities = v_x.iter_mut().zip(v_y).zip(omega_z).zip(inputs);
+        let [y_x, y_y, y_w] = y;
+        let targets = y_x.iter_mut().zip(y_y).zip(y_w);
+        for (((((v_x, v_y), omega_z), (a, delta)), ((y_x, y_y), y_w)), (z, y)) in
+            velocities.zip(targets).zip(samples)
+        {
+            [*v_x, *v_y, *omega_z, *a, *delta] = *z;
+            [*y_x, *y_y, *y_w] = *y;
         }
     }
 

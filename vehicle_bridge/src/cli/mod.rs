@@ -1,5 +1,6 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
+mod bench;
 mod export;
 mod fmu;
 mod hil;
@@ -14,6 +15,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use bench::BenchArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
@@ -73,6 +75,8 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Write a log as CSV tables or as MCAP for Foxglove
     Export(ExportArgs),
+    /// Measure how long a control step takes on this computer
+    Bench(BenchArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix

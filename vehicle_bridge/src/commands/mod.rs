@@ -1,5 +1,6 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
+mod bench;
 mod check;
 mod doctor;
 mod export;
@@ -66,6 +67,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Export(args) => export::run(&args, talk),
+        Command::Bench(args) => bench::run(&args, talk),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),

@@ -12,7 +12,7 @@
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::{Discretized, Linearization, Rates, runge_kutta_4};
+use super::{Discretized, Linearization, Rates, Stage, runge_kutta_4};
 use crate::model::{Held, pose_rates, state_array};
 use crate::number::{Dual, Lanes, Real};
 use crate::state::{Input, NU, NX, State};
@@ -160,36 +160,36 @@ impl<'a, T: Real, K> System<'a, T, K> {
 
 impl<T: Real, K: Fn(f64) -> f64> Rates<T, ALL> for System<'_, T, K> {
     #[inline(always)]
-    fn rates(&self, y: &[T; ALL], _: f64) -> [T; ALL] {
+    fn rates(&self, y: &[T; ALL], _: f64, stage: &mut Stage<T, ALL>) {
         let seed = Dual::<T, N>::direction;
         let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
         let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip);
         let pose = [seed(y[3], 3), Dual::fixed(y[4]), seed(y[5], 4)];
         let pose_dot = pose_rates(&v, &pose, y[4].map(self.kappa));
 
-        let mut rates = [y[0].constant(0.0); ALL];
+        // The curvature is frozen: no rate depends on s.
         for row in 0..3 {
-            rates[row] = v_dot[row].value;
-            rates[3 + row] = pose_dot[row].value;
+            stage.take(row, v_dot[row].value);
+            stage.take(3 + row, pose_dot[row].value);
             let (by_v, by_pose) = (v_dot[row].gradient, pose_dot[row].gradient);
             for column in 0..N {
                 let v = |i: usize| y[V + i * N + column];
                 let p = |i: usize| y[P + i * N + column];
                 let product = by_v[0] * v(0) + by_v[1] * v(1) + by_v[2] * v(2);
-                rates[V + row * N + column] =
-                    if column < 3 { product } else { product + by_v[column] };
-                // The curvature is frozen: no rate depends on s.
-                rates[P + row * N + column] = by_pose[0] * v(0)
+                let own = if column < 3 { product } else { product + by_v[column] };
+                stage.take(V + row * N + column, own);
+                let pose = by_pose[0] * v(0)
                     + by_pose[1] * v(1)
                     + by_pose[2] * v(2)
                     + by_pose[3] * p(0)
                     + by_pose[4] * p(2);
+                stage.take(P + row * N + column, pose);
             }
             for column in 0..POSE.len() {
                 let q = |i: usize| y[Q + i * POSE.len() + column];
-                rates[Q + row * POSE.len() + column] = by_pose[3] * q(0) + by_pose[4] * q(2);
+                let pose = by_pose[3] * q(0) + by_pose[4] * q(2);
+                stage.take(Q + row * POSE.len() + column, pose);
             }
         }
-        rates
     }
 }

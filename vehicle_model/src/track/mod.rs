@@ -33,6 +33,7 @@ pub use points::TrackPoint;
 pub use segment::Segment;
 
 use path::Path;
+use std::cell::Cell;
 use std::fmt;
 use widths::Widths;
 
@@ -110,6 +111,7 @@ impl Track {
 
     /// Progress s of any lap brought into [0, L) [m]; 0 for what is no finite number.
     #[must_use]
+    #[inline]
     pub fn wrap(&self, s: f64) -> f64 {
         if (0.0..self.length).contains(&s) {
             return s;
@@ -124,6 +126,18 @@ impl Track {
     #[must_use]
     pub fn kappa(&self, s: f64) -> f64 {
         self.path.kappa(self.wrap(s))
+    }
+
+    /// [`Track::kappa`] as a function that looks first where it found the place last: for many
+    /// places that follow one another.
+    pub fn kappa_along(&self) -> impl Fn(f64) -> f64 {
+        let place = Cell::new(0);
+        move |s| {
+            let s = self.wrap(s);
+            let i = self.path.index_near(s, place.get());
+            place.set(i);
+            self.path.kappa_in(i, s - self.path.start_of(i))
+        }
     }
 
     /// Largest |kappa| of the centre line [1/m].

@@ -29,7 +29,23 @@ impl Path {
         }
     }
 
+    /// [`Path::index_of`], first looked for at piece `near` and the one behind it.
+    #[inline]
+    pub(super) fn index_near(&self, s: f64, near: usize) -> usize {
+        match self {
+            Self::Arcs(arcs) => {
+                let holds = |i: usize| {
+                    arcs.get(i).is_some_and(|arc| arc.s <= s)
+                        && arcs.get(i + 1).is_none_or(|next| s < next.s)
+                };
+                [near, near + 1].into_iter().find(|i| holds(*i)).unwrap_or_else(|| self.index_of(s))
+            }
+            Self::Spline(spline) => spline.index_of(s),
+        }
+    }
+
     /// Distance along the track where piece i begins [m].
+    #[inline]
     pub(super) fn start_of(&self, i: usize) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].s,
@@ -52,6 +68,7 @@ impl Path {
     }
 
     /// Curvature at distance u in piece i [1/m].
+    #[inline]
     pub(super) fn kappa_in(&self, i: usize, u: f64) -> f64 {
         match self {
             Self::Arcs(arcs) => arcs[i].kappa,

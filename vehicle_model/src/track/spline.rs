@@ -34,6 +34,7 @@ pub(super) struct Spline {
 }
 
 /// Value, first and second derivative of a cubic.
+#[inline]
 fn cubic(c: &[f64; 4], u: f64) -> (f64, f64, f64) {
     let value = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
     (value, c[1] + u * (2.0 * c[2] + 3.0 * u * c[3]), 2.0 * c[2] + 6.0 * u * c[3])
@@ -61,6 +62,7 @@ impl Spline {
     }
 
     /// Piece that holds the parameter s, found at once where the knots are equidistant.
+    #[inline]
     pub(super) fn index_of(&self, s: f64) -> usize {
         let n = self.pieces.len();
         // A negative or undefined quotient becomes 0.
@@ -76,6 +78,7 @@ impl Spline {
     }
 
     /// Parameter at the beginning of piece i.
+    #[inline]
     pub(super) fn start_of(&self, i: usize) -> f64 {
         self.knots[i]
     }
@@ -107,6 +110,7 @@ impl Spline {
     }
 
     /// Curvature (x' y'' - y' x'') / (x'^2 + y'^2)^(3/2) at distance u in piece i [1/m].
+    #[inline]
     pub(super) fn kappa_in(&self, i: usize, u: f64) -> f64 {
         let (_, dx, ddx) = cubic(&self.pieces[i].x, u);
         let (_, dy, ddy) = cubic(&self.pieces[i].y, u);

@@ -22,12 +22,17 @@
 //! on their mean, keeps the digits that absolute multipliers and long tracks would lose.
 
 use nalgebra::{Cholesky, Matrix6, Vector6};
+use vehicle_model::NX;
 
 use super::super::Fhocp;
 use super::product::product;
+use crate::lanes::{dot, sum};
 
 /// Added to each sigma_j: bounds omega_j, and with it the condition of the scatter.
 const REGULARISATION: f64 = 1e-7;
+
+/// One number of each point, for each state: loops over the points become vector instructions.
+type Columns = [Vec<f64>; NX];
 
 /// Memory and factor of the terminal system.
 #[derive(Debug, Clone, Default)]
@@ -35,7 +40,9 @@ pub(super) struct Hull {
     /// Arithmetic mean of the points.
     centre: Vector6<f64>,
     /// Points about the centre.
-    points: Vec<Vector6<f64>>,
+    points: Columns,
+    /// Points about their omega-weighted mean, x_j - x_bar.
+    centred: Columns,
     /// (2E)^-1, diagonal.
     compliance: Vector6<f64>,
     omega: Vec<f64>,
@@ -54,13 +61,16 @@ pub(super) struct Hull {
     /// Multiplier of the sum of weights, and its step.
     nu: f64,
     nu_step: f64,
+    /// One number of each point, for sums.
+    weighted: Vec<f64>,
 }
 
 impl Hull {
     pub(super) fn resize(&mut self, points: usize) {
-        self.points.resize(points, Vector6::zeros());
-        self.omega.resize(points, 0.0);
-        self.g.resize(points, 0.0);
+        let columns = self.points.iter_mut().chain(&mut self.centred);
+        for values in columns.chain([&mut self.omega, &mut self.g, &mut self.weighted]) {
+            values.resize(points, 0.0);
+        }
     }
 
     /// Reads the points of a problem.
@@ -68,8 +78,10 @@ impl Hull {
     pub(super) fn load(&mut self, problem: &Fhocp) {
         let count = problem.hull.len() as f64;
         self.centre = problem.hull.iter().fold(Vector6::zeros(), |sum, point| sum + point) / count;
-        for (centred, point) in self.points.iter_mut().zip(&problem.hull) {
-            *centred = point - self.centre;
+        for (i, column) in self.points.iter_mut().enumerate() {
+            for (centred, point) in column.iter_mut().zip(&problem.hull) {
+                *centred = point[i] - self.centre[i];
+            }
         }
         self.compliance = problem.terminal_slack.map(|weight| 0.5 / weight);
         self.nu = 0.0;
@@ -83,38 +95,38 @@ impl Hull {
     /// Updates the costate y = 2E (x_N - X lambda).
     #[inline(always)]
     pub(super) fn costate(&mut self, x: &Vector6<f64>, lambda: &[f64]) {
-        let mut e = x - self.centre;
-        for (point, lambda) in self.points.iter().zip(lambda) {
-            e -= point * *lambda;
-        }
+        let e = x - self.centre - combination(&self.points, lambda);
         self.y = e.component_div(&self.compliance);
     }
 
     /// J'lambda + e'E e, with e from the costate in place.
     #[inline(always)]
     pub(super) fn cost(&self, cost: &[f64], lambda: &[f64]) -> f64 {
-        let weighted: f64 = cost.iter().zip(lambda).map(|(j, l)| j * l).sum();
-        weighted + 0.5 * self.compliance.dot(&self.y.component_mul(&self.y))
+        dot(cost, lambda) + 0.5 * self.compliance.dot(&self.y.component_mul(&self.y))
     }
 
     /// Forms and factors the 6 x 6 system; false if it is not positive definite.
     #[inline(always)]
     pub(super) fn factor(&mut self, sigma: &[f64]) -> bool {
-        self.total = 0.0;
-        let mut sum = Vector6::zeros();
-        for ((omega, sigma), point) in self.omega.iter_mut().zip(sigma).zip(&self.points) {
+        for (omega, sigma) in self.omega.iter_mut().zip(sigma) {
             *omega = 1.0 / (sigma + REGULARISATION);
-            self.total += *omega;
-            sum += point * *omega;
         }
-        self.mean = sum / self.total;
+        self.total = sum(&self.omega);
+        self.mean = combination(&self.points, &self.omega) / self.total;
+        for (i, (centred, points)) in self.centred.iter_mut().zip(&self.points).enumerate() {
+            for (centred, point) in centred.iter_mut().zip(points) {
+                *centred = point - self.mean[i];
+            }
+        }
         let mut scatter = Matrix6::from_diagonal(&self.compliance);
-        for (point, omega) in self.points.iter().zip(&self.omega) {
-            let d = point - self.mean;
-            for (column, d_c) in scatter.data.0.iter_mut().zip(d.data.0[0]) {
-                for (entry, d_r) in column.iter_mut().zip(&d.data.0[0]) {
-                    *entry += omega * d_c * d_r;
-                }
+        for column in 0..NX {
+            let rows = self.omega.iter().zip(&self.centred[column]);
+            for (weighted, (omega, d)) in self.weighted.iter_mut().zip(rows) {
+                *weighted = omega * d;
+            }
+            for row in 0..=column {
+                scatter[(row, column)] += dot(&self.weighted, &self.centred[row]);
+                scatter[(column, row)] = scatter[(row, column)];
             }
         }
         self.system = scatter;
@@ -126,18 +138,16 @@ impl Hull {
     /// Terminal gradient y - P c for the given pulls.
     #[inline(always)]
     pub(super) fn gradient(&mut self, cost: &[f64], pull: &[f64]) -> Vector6<f64> {
-        let mut sum = 0.0;
-        for (((g, point), (cost, pull)), omega) in
-            self.g.iter_mut().zip(&self.points).zip(cost.iter().zip(pull)).zip(&self.omega)
-        {
-            *g = point.dot(&self.y) - cost + pull;
-            sum += omega * *g;
+        project(&self.points, &self.y, &mut self.g);
+        for (g, (cost, pull)) in self.g.iter_mut().zip(cost.iter().zip(pull)) {
+            *g += pull - cost;
         }
-        self.g_mean = sum / self.total;
-        self.c = Vector6::zeros();
-        for ((g, point), omega) in self.g.iter().zip(&self.points).zip(&self.omega) {
-            self.c += (point - self.mean) * (omega * (g - self.g_mean));
+        self.g_mean = dot(&self.omega, &self.g) / self.total;
+        let rows = self.omega.iter().zip(&self.g);
+        for (weighted, (omega, g)) in self.weighted.iter_mut().zip(rows) {
+            *weighted = omega * (g - self.g_mean);
         }
+        self.c = combination(&self.centred, &self.weighted);
         self.y - product(&self.p, &self.c)
     }
 
@@ -148,15 +158,12 @@ impl Hull {
         let mut dy = product(&self.p, &right);
         // One refinement: the system's condition grows as weights leave the hull.
         dy += product(&self.p, &(right - product(&self.system, &dy)));
-        let mut sum = 0.0;
-        for (((d_lambda, g), point), omega) in
-            d_lambda.iter_mut().zip(&self.g).zip(&self.points).zip(&self.omega)
-        {
-            *d_lambda = omega * (g - self.g_mean + (point - self.mean).dot(&dy));
-            sum += *d_lambda;
+        project(&self.centred, &dy, d_lambda);
+        for (d_lambda, (omega, g)) in d_lambda.iter_mut().zip(self.omega.iter().zip(&self.g)) {
+            *d_lambda = omega * (g - self.g_mean + *d_lambda);
         }
         // Rounding leaves a small sum: spread it by the same weights.
-        let share = sum / self.total;
+        let share = sum(d_lambda) / self.total;
         for (d_lambda, omega) in d_lambda.iter_mut().zip(&self.omega) {
             *d_lambda -= share * omega;
         }
@@ -170,9 +177,25 @@ impl Hull {
 
     /// Greatest residual of the weights' stationarity.
     #[inline(always)]
-    pub(super) fn residual(&self, cost: &[f64], z: &[f64]) -> f64 {
-        let rows = self.points.iter().zip(cost).zip(z);
-        rows.map(|((point, cost), z)| (cost - point.dot(&self.y) - z + self.nu).abs())
-            .fold(0.0, f64::max)
+    pub(super) fn residual(&mut self, cost: &[f64], z: &[f64]) -> f64 {
+        project(&self.points, &self.y, &mut self.weighted);
+        let rows = self.weighted.iter().zip(cost).zip(z);
+        rows.map(|((x_y, cost), z)| (cost - x_y - z + self.nu).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// Sum of the points, each times its weight.
+#[inline(always)]
+fn combination(points: &Columns, weights: &[f64]) -> Vector6<f64> {
+    Vector6::from_fn(|i, _| dot(&points[i], weights))
+}
+
+/// Inner product of each point with y.
+#[inline(always)]
+fn project(points: &Columns, y: &Vector6<f64>, out: &mut [f64]) {
+    let [v_x, v_y, omega_z, e_psi, s, e_y] = points;
+    let (first, second) = (v_x.iter().zip(v_y).zip(omega_z), e_psi.iter().zip(s).zip(e_y));
+    for ((out, ((v_x, v_y), omega_z)), ((e_psi, s), e_y)) in out.iter_mut().zip(first).zip(second) {
+        *out = (v_x * y[0] + v_y * y[1] + omega_z * y[2]) + (e_psi * y[3] + s * y[4] + e_y * y[5]);
     }
 }

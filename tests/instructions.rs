@@ -1,0 +1,111 @@
+//! Instructions of a control step, counted by Valgrind: the same on every run, however busy the
+//! machine. The counts of `tests/data/instructions.json` may grow by 5 % before somebody has to
+//! look.
+//!
+//! They are those of one compiler and of a processor with AVX2. After a change that is worth its
+//! instructions, or with another compiler, renew them:
+//! `LMPC_RENEW=1 cargo test --release -p lmpc_tests --test instructions`.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::path::PathBuf;
+use std::process::Command;
+
+use controller::{Action, Controller, Measurement};
+use vehicle_bridge::bench::{Circuit, cases};
+
+/// Learned steps that are counted, the first ones.
+const STEPS: u64 = 20;
+/// Laps stored before them.
+const LAPS: usize = 4;
+/// Growth that is let pass.
+const GROWTH: f64 = 1.05;
+/// Tells the program under Valgrind which case it drives.
+const CASE: &str = "LMPC_COUNTED_CASE";
+
+/// What is counted; its name is how Valgrind finds it.
+#[inline(never)]
+fn counted_step(controller: &mut Controller, measurement: &Measurement) -> controller::Command {
+    black_box(controller.step(measurement))
+}
+
+/// Not a test: the program that runs under Valgrind.
+#[test]
+#[ignore = "started by instructions_of_a_step"]
+fn drive() {
+    let case = std::env::var(CASE).unwrap().parse::<usize>().unwrap();
+    let mut circuit = Circuit::new(&cases().unwrap()[case], LAPS).unwrap();
+    let (mut counted, mut lap_end) = (0, true);
+    while counted < STEPS {
+        let measurement = circuit.measurement();
+        let learning = !circuit.controller.plan().is_empty() && !lap_end;
+        let command = if learning {
+            counted += 1;
+            let command = counted_step(&mut circuit.controller, &measurement);
+            assert_eq!(command.status.action, Action::Learned);
+            command
+        } else {
+            circuit.controller.step(&measurement)
+        };
+        lap_end = command.status.finished.is_some();
+        circuit.drive(&command);
+    }
+}
+
+/// Instructions of one step, the mean of the counted ones.
+fn count(case: usize) -> u64 {
+    let folder = tempfile::tempdir().unwrap();
+    let out = Command::new("valgrind")
+        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_step*"])
+        .arg(format!("--callgrind-out-file={}", folder.path().join("out").display()))
+        .arg(std::env::current_exe().unwrap())
+        .args(["--exact", "drive", "--ignored", "--test-threads=1"])
+        .env(CASE, case.to_string())
+        .output()
+        .unwrap_or_else(|e| {
+            panic!("valgrind does not start: {e}; tools/setup.sh test installs it")
+        });
+    let text = String::from_utf8_lossy(&out.stderr);
+    let collected = text.lines().find_map(|line| line.split_once("Collected :"));
+    let Some((_, number)) = collected.filter(|_| out.status.success()) else {
+        panic!("{}\n{text}", String::from_utf8_lossy(&out.stdout))
+    };
+    number.trim().parse::<u64>().unwrap() / STEPS
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "the counts are those of a release build")]
+fn instructions_of_a_step() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/instructions.json");
+    let found: BTreeMap<String, u64> = cases()
+        .unwrap()
+        .iter()
+        .enumerate()
+        .map(|(i, case)| (format!("{}, N {}", case.name, case.config.horizon.steps), count(i)))
+        .collect();
+    for (name, count) in &found {
+        println!("{name}: {count} instructions a step");
+        assert!(*count > 100_000, "nothing was counted of {name}");
+    }
+    if std::env::var_os("LMPC_RENEW").is_some() {
+        std::fs::write(&path, serde_json::to_string_pretty(&found).unwrap() + "\n").unwrap();
+        return;
+    }
+    let text = std::fs::read_to_string(&path).unwrap();
+    let recorded: BTreeMap<String, u64> = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        found.keys().collect::<Vec<_>>(),
+        recorded.keys().collect::<Vec<_>>(),
+        "the cases have changed: see the top of this file for how to renew the counts"
+    );
+    for (name, count) in &found {
+        let growth = *count as f64 / recorded[name] as f64;
+        assert!(
+            growth <= GROWTH,
+            "{name}: {count} instructions a step, {growth:.3} times the recorded {}; see the top \
+             of this file for how to renew them",
+            recorded[name]
+        );
+    }
+}

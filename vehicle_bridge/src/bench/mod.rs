@@ -1,0 +1,134 @@
+//! How long a control step takes on this machine: by phase, and the QP alone with each solver.
+//!
+//! A simulated car drives, so that the problems are those of a race. All ratios are of one run:
+//! absolute times of a busy machine mean little. Steps in which the system took the processor away
+//! (`ru_nivcsw`) are counted and left out.
+
+mod circuit;
+mod qp;
+mod samples;
+mod step;
+mod table;
+
+use controller::{Config, ConfigError};
+use serde::Serialize;
+
+pub use circuit::Circuit;
+pub use qp::QpTimes;
+pub use samples::Times;
+pub use step::StepTimes;
+pub use table::text;
+
+/// Why there is nothing to measure.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// A car or track that does not ship.
+    #[error("no {0} of this name ships: '{1}'")]
+    Missing(&'static str, String),
+    /// A configuration that is refused.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+}
+
+/// One set-up of the controller.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What sets it apart.
+    pub name: &'static str,
+    /// A shipped car.
+    pub car: &'static str,
+    /// A shipped track.
+    pub track: &'static str,
+    /// The configuration.
+    pub config: Config,
+}
+
+/// What is measured.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Learned steps, and QPs, of each measurement.
+    pub steps: usize,
+    /// Numbers of stored laps; ratios are to the first.
+    pub laps: Vec<usize>,
+}
+
+/// Everything measured of one case.
+#[derive(Debug, Clone, Serialize)]
+pub struct CaseTimes {
+    /// The case.
+    pub name: &'static str,
+    /// Its car.
+    pub car: &'static str,
+    /// Its track.
+    pub track: &'static str,
+    /// Horizon N.
+    pub horizon: usize,
+    /// Safe-set points.
+    pub points: usize,
+    /// The step, for each number of laps stored.
+    pub steps: Vec<StepTimes>,
+    /// Feedback part after `prepare`, as a share of the whole step, at the fewest laps.
+    pub feedback_share: f64,
+    /// Whole step at the most laps over that at the fewest.
+    pub growth: f64,
+    /// The QP alone, each solver on the same problems.
+    pub qp: Vec<QpTimes>,
+}
+
+/// The shipped cases: the paper's size, a longer horizon and a full-size car, searching all laps
+/// that are stored, and the first also as it ships.
+///
+/// # Errors
+/// If the shipped configuration is refused.
+pub fn cases() -> Result<[Case; 4], ConfigError> {
+    let barc = |name, steps, neighbors, searched| {
+        let mut config = Config::default();
+        config.horizon.steps = steps;
+        config.safe_set.neighbors = neighbors;
+        config.safe_set.laps = 4;
+        config.regression.laps = searched;
+        Case { name, car: "barc", track: "l", config }
+    };
+    let mut iac = Config::from_toml(Config::of_car("iac").unwrap_or_default())?;
+    iac.regression.laps = 0;
+    Ok([
+        barc("barc, 4 laps searched", 10, 10, 4),
+        barc("barc, all laps searched", 10, 10, 0),
+        barc("barc, all laps searched", 20, 16, 0),
+        Case { name: "iac, all laps searched", car: "iac", track: "road_course", config: iac },
+    ])
+}
+
+/// Measures a case, saying what it does to `progress`.
+///
+/// # Errors
+/// If car, track and configuration do not fit together.
+pub fn measure(
+    case: &Case,
+    plan: &Plan,
+    mut progress: impl FnMut(&str),
+) -> Result<CaseTimes, BenchError> {
+    let (mut steps, mut problems) = (Vec::new(), Vec::new());
+    for laps in &plan.laps {
+        progress(&format!("{}: {} steps with {laps} laps stored", case.name, plan.steps));
+        let mut circuit = Circuit::new(case, *laps)?;
+        // The first laps' problems are the solvers'.
+        let record = steps.is_empty().then_some(&mut problems);
+        steps.push(step::measure(&mut circuit, *laps, plan.steps, record));
+    }
+    progress(&format!("{}: {} QPs with each solver", case.name, problems.len()));
+    let qp = qp::measure(&case.config.solver, &problems);
+    let median = |of: Option<&StepTimes>, name| of.map_or(f64::NAN, |step| step.median(name));
+    let (few, most) = (steps.first(), steps.last());
+    Ok(CaseTimes {
+        name: case.name,
+        car: case.car,
+        track: case.track,
+        horizon: case.config.horizon.steps,
+        points: case.config.safe_set.neighbors * case.config.safe_set.laps,
+        feedback_share: median(few, step::FEEDBACK) / median(few, step::WHOLE),
+        growth: median(most, step::WHOLE) / median(few, step::WHOLE),
+        steps,
+        qp,
+    })
+}
