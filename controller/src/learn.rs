@@ -83,8 +83,10 @@ impl Controller {
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // Writing into memory has no way to fail.
-        let _ = self.learned_data().write(&mut bytes);
+        let Ok(()) = self.learned_data().write(|piece| {
+            bytes.extend_from_slice(piece);
+            Ok::<_, std::convert::Infallible>(())
+        });
         bytes
     }
 

@@ -1,6 +1,5 @@
 //! Learned data as bytes: magic, version, length, checksum, then fingerprints and laps.
 
-use std::io::{self, Write};
 use std::sync::Arc;
 
 use postcard::ser_flavors::Flavor;
@@ -75,50 +74,35 @@ fn first_difference(ours: &str, theirs: &str) -> String {
 }
 
 impl Learned {
-    /// Writes magic, version, length, checksum and content, piece by piece: nothing the size of the whole
-    /// is ever in memory. Give it a buffered writer.
+    /// Gives magic, version, length, checksum and content to `out`, piece by piece: nothing the size of
+    /// the whole is ever in memory.
     ///
     /// # Errors
-    /// The writer's own.
-    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+    /// The first of `out`.
+    pub fn write<E>(&self, mut out: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         // Once for the header, which stands before the content, once for the content.
-        let mut measured = Measured::default();
-        encode(self, &mut measured)?;
-        out.write_all(MAGIC)?;
-        out.write_all(&VERSION.to_le_bytes())?;
-        out.write_all(&measured.length.to_le_bytes())?;
-        out.write_all(&measured.checksum.finalize().to_le_bytes())?;
-        encode(self, out)?;
-        out.flush()
+        let (mut length, mut checksum) = (0, crc32fast::Hasher::new());
+        let mut measure = |bytes: &[u8]| -> Result<(), E> {
+            length += bytes.len() as u64;
+            checksum.update(bytes);
+            Ok(())
+        };
+        encode(self, &mut measure)?;
+        out(MAGIC)?;
+        out(&VERSION.to_le_bytes())?;
+        out(&length.to_le_bytes())?;
+        out(&checksum.finalize().to_le_bytes())?;
+        encode(self, &mut out)
     }
 }
 
-/// Length and checksum of what is written to it.
-#[derive(Default)]
-struct Measured {
-    length: u64,
-    checksum: crc32fast::Hasher,
+/// Hands the encoder's bytes on and keeps the receiver's error, which the encoder cannot carry.
+struct Sink<'a, F, E> {
+    out: &'a mut F,
+    error: &'a mut Option<E>,
 }
 
-impl Write for Measured {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.length += bytes.len() as u64;
-        self.checksum.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-/// Sends the encoder's bytes to a writer and keeps the writer's error, which the encoder cannot carry.
-struct Sink<'a, W> {
-    out: &'a mut W,
-    error: &'a mut Option<io::Error>,
-}
-
-impl<W: Write> Flavor for Sink<'_, W> {
+impl<E, F: FnMut(&[u8]) -> Result<(), E>> Flavor for Sink<'_, F, E> {
     type Output = ();
 
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
@@ -126,7 +110,7 @@ impl<W: Write> Flavor for Sink<'_, W> {
     }
 
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
-        self.out.write_all(bytes).map_err(|error| {
+        (self.out)(bytes).map_err(|error| {
             *self.error = Some(error);
             postcard::Error::SerializeBufferFull
         })
@@ -137,11 +121,14 @@ impl<W: Write> Flavor for Sink<'_, W> {
     }
 }
 
-fn encode(content: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+fn encode<E>(
+    content: &impl Serialize,
+    out: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), E> {
     let mut error = None;
-    let sink = Sink { out, error: &mut error };
-    let encoded = postcard::serialize_with_flavor(content, sink);
-    encoded.map_err(|other| error.unwrap_or_else(|| io::Error::other(other)))
+    // Encoding plain structs of numbers has no way to fail but the receiver's.
+    let _ = postcard::serialize_with_flavor(content, Sink { out, error: &mut error });
+    error.map_or(Ok(()), Err)
 }
 
 /// Checks and decodes what [`Learned::write`] wrote.

@@ -1,7 +1,7 @@
 //! Tracks and cars by name or file.
 
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -58,7 +58,9 @@ pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, Fault> {
 pub(crate) fn save(path: &str, learned: &Learned) -> io::Result<()> {
     let next = format!("{path}.new");
     let file = File::create(&next)?;
-    learned.write(&mut BufWriter::new(&file))?;
+    let mut buffered = BufWriter::new(&file);
+    learned.write(|bytes| buffered.write_all(bytes))?;
+    buffered.flush()?;
     file.sync_all()?;
     std::fs::rename(&next, path)
 }

@@ -12,8 +12,8 @@ use controller::{Action, Command, Config, Controller, ControllerState, Measureme
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
-use crate::files;
 use crate::description::{Description, Terminal};
+use crate::files;
 use crate::model::{Io, Model, Step};
 use crate::schedule::Schedule;
 use crate::status::Fault;

@@ -1,7 +1,7 @@
 //! Learned data on disk. A save never destroys the previous one.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
@@ -33,11 +33,16 @@ pub fn save(path: &Path, controller: &Controller) -> Result<()> {
     if path.is_dir() {
         bail!("cannot save to {}: it is a folder, expected a file", path.display());
     }
-    write(path, &controller.learned_data()).with_context(|| format!("cannot save {}", path.display()))
+    write(path, &controller.learned_data())
+        .with_context(|| format!("cannot save {}", path.display()))
 }
 
 pub(crate) fn write(path: &Path, learned: &Learned) -> io::Result<()> {
-    replace(path, |file| learned.write(&mut BufWriter::new(file)))
+    replace(path, |file| {
+        let mut file = BufWriter::new(file);
+        learned.write(|bytes| file.write_all(bytes))?;
+        file.flush()
+    })
 }
 
 fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
@@ -80,8 +85,6 @@ fn suffixed(path: &Path, suffix: &str) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
     use super::*;
 
     #[test]
