@@ -18,7 +18,6 @@ test:
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
-	cargo run --quiet --release -p vehicle_bridge --bin lmpc -- hil run bench/quick.toml
 	$(MAKE) fmu-test
 
 # Both FMUs for Linux and Windows, FMI 2.0 and 3.0, and the wired systems, in out/fmu.
