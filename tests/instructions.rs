@@ -12,9 +12,8 @@ use std::hint::black_box;
 use std::path::PathBuf;
 use std::process::Command;
 
-use serde::{Deserialize, Serialize};
-
 use controller::{Action, Controller, Measurement};
+use serde::{Deserialize, Serialize};
 use vehicle_bridge::bench::{Circuit, cases};
 
 /// Learned steps that are counted, the first ones.

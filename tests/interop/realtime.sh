@@ -12,19 +12,12 @@
 # the end of each program. Needs root.
 set -eu
 cd "$(dirname "$0")/../.."
-tests/interop/needs.sh strings unshare cyclictest
+tests/interop/needs.sh strings cyclictest
 seconds=${1:-60}
 out=target/lcm/realtime
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    if [ "$(id -u)" != 0 ]; then
-        echo "$0: needs root, for FIFO priority and a network namespace: sudo -E $0" >&2
-        exit 1
-    fi
     cargo build --quiet --release -p vehicle_bridge --bin lmpc
-    # No user namespace: in one there is no FIFO priority.
-    LMPC_ISOLATED=1 exec unshare -n sh -c '
-        ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo &&
-            exec timeout 600 "$@"' sh "$0" "$@"
+    LMPC_ISOLATED=1 exec tests/interop/isolated.sh --fifo timeout 600 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'

@@ -20,6 +20,7 @@ pub struct Callbacks {
     /// Receives messages.
     pub logger: Option<Logger2>,
     /// Unused: memory is our own.
+    // SAFETY: a member of the standard's structure; never called, as the two below.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Unused.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,

@@ -5,6 +5,7 @@ use std::ffi::{CString, c_char, c_void};
 use crate::log::Message;
 
 /// `fmi2CallbackLogger`: variadic, the message is a format.
+// SAFETY: called as the standard says, with strings that live through the call.
 pub type Logger2 = unsafe extern "C" fn(
     environment: *mut c_void,
     instance_name: *const c_char,
@@ -15,6 +16,7 @@ pub type Logger2 = unsafe extern "C" fn(
 );
 
 /// `fmi3LogMessageCallback`.
+// SAFETY: as above.
 pub type Logger3 = unsafe extern "C" fn(
     environment: *mut c_void,
     status: i32,

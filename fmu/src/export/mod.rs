@@ -32,6 +32,7 @@ macro_rules! export_fmu {
 macro_rules! c_functions {
     ($($name:ident($($arg:ident: $ty:ty),* $(,)?) -> $ret:ty = $body:expr;)*) => {
         $(
+            // SAFETY: the names are the standards', each stands once in a library of one model.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name($($arg: $ty),*) -> $ret {
                 // SAFETY: the host's promise, as written in the standard, is passed on as it is.

@@ -18,9 +18,8 @@ use crate::network::operator_client::{Answered, Held, Operator};
 use crate::network::side::CarSide;
 use crate::network::{convert, map_file};
 use crate::race::RaceOptions;
-use crate::safety::{Lapse, Rules};
+use crate::safety::{Lapse, Phase, Rules};
 use crate::settings::Usage;
-use crate::top::state_name;
 use crate::transport::Transport;
 
 /// Runs the bridge until Ctrl-C.
@@ -137,7 +136,10 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
     match end {
         Held::Refused(answers) | Held::Released(answers) => show(&answers),
         Held::Ended(Answered { who, ack }) => {
-            complain(&format!("{who} ended the drive, it is in state {}", state_name(ack.state)));
+            complain(&format!(
+                "{who} ended the drive, it is in state {}",
+                Phase::name_of(ack.state)
+            ));
             Ok(Outcome::Degraded)
         }
     }
@@ -147,7 +149,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
 fn show(answers: &[Answered]) -> Result<Outcome> {
     let mut refused = false;
     for answer in answers {
-        let state = state_name(answer.ack.state);
+        let state = Phase::name_of(answer.ack.state);
         if answer.ack.accepted {
             result(&format!("{}: {state}", answer.who))?;
         } else {

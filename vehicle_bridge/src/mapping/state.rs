@@ -1,5 +1,7 @@
 //! The car's messages to a state.
 
+use std::fmt;
+
 use lcm_types::value::{Path, Value};
 use lcm_types::{Header, VehicleState};
 
@@ -23,6 +25,13 @@ pub struct Counts {
     pub old: u64,
     /// States not made because another message they need was missing or too old. \[-\]
     pub incomplete: u64,
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { states, bad, old, incomplete } = self;
+        write!(f, "car: {states} states, {bad} bad, {old} old, {incomplete} incomplete")
+    }
 }
 
 /// `gain * field + offset`, in our unit.

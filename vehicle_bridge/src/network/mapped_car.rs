@@ -214,10 +214,7 @@ impl MappedCar {
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
-            health.detail = format!(
-                "car: {} states, {} bad, {} old, {} incomplete",
-                source.states, source.bad, source.old, source.incomplete
-            );
+            health.detail = source.to_string();
         });
         self.reports.send_sealed(&report)
     }

@@ -132,9 +132,7 @@ impl CarSide {
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let Self::Mapped(car) = self else { return None };
-        let c = car.mapping.counts();
-        let (states, bad, old, incomplete) = (c.states, c.bad, c.old, c.incomplete);
-        Some(format!("car: {states} states, {bad} bad, {old} old, {incomplete} incomplete"))
+        Some(car.mapping.counts().to_string())
     }
 }
 

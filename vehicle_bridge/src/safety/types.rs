@@ -41,6 +41,14 @@ impl Phase {
             Self::Estop => "ESTOP",
         }
     }
+
+    /// The same of a state in a message, which may be none of these.
+    #[must_use]
+    pub fn name_of(state: i8) -> &'static str {
+        use Phase::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
+        let all = [Boot, Idle, Armed, Running, SafeStop, Fault, Estop];
+        all.into_iter().find(|phase| *phase as i8 == state).map_or("unknown", Self::name)
+    }
 }
 
 /// Where the applied input comes from; the numbers of `CAR/ACT`.

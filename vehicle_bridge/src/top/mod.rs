@@ -12,7 +12,6 @@ mod watch;
 
 pub use snapshot::{
     CarSeen, ChannelSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen,
-    state_name,
 };
 pub use view::draw;
 pub use watch::Watch;

@@ -1,6 +1,5 @@
 //! What is known of a network at one time.
 
-use lcm_types::Heartbeat;
 use serde::Serialize;
 
 /// Everything. Ages are from arrival to now, on this host's clock.
@@ -167,19 +166,4 @@ pub struct ChannelSeen {
     pub senders: usize,
     /// Messages that are not of the channel's type. \[-\]
     pub unreadable: u64,
-}
-
-/// A state of [`Heartbeat`], as people read it.
-#[must_use]
-pub fn state_name(state: i8) -> &'static str {
-    match state {
-        Heartbeat::BOOT => "BOOT",
-        Heartbeat::IDLE => "IDLE",
-        Heartbeat::ARMED => "ARMED",
-        Heartbeat::RUNNING => "RUNNING",
-        Heartbeat::SAFE_STOP => "SAFE_STOP",
-        Heartbeat::FAULT => "FAULT",
-        Heartbeat::ESTOP => "ESTOP",
-        _ => "unknown",
-    }
 }

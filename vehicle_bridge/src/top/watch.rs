@@ -7,9 +7,9 @@ use lcm_types::{
     MpcTelemetry, OperatorAck, OperatorCommand, Track, VehicleState, channels,
 };
 
-use super::snapshot::state_name;
 use super::stream::Stream;
 use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen};
+use crate::safety::Phase;
 
 /// A program silent for longer may be gone. \[s\]
 const SILENCE_S: f64 = 0.5;
@@ -215,7 +215,7 @@ fn program(name: &str, beat: &Heartbeat, age_s: f64) -> ProgramSeen {
     ProgramSeen {
         name: name.to_owned(),
         sender: beat.h.sender.clone(),
-        state: state_name(beat.state).to_owned(),
+        state: Phase::name_of(beat.state).to_owned(),
         age_s,
         alive: age_s <= SILENCE_S,
         uptime_s: beat.uptime_s,

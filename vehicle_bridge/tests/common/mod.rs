@@ -6,12 +6,11 @@ pub(crate) mod datagrams;
 
 use std::process::{Child, Command, Stdio};
 
+/// The loopback interface with multicast on it.
+pub(crate) use vehicle_bridge::hil::host::NETWORK_UP as MULTICAST;
+
 /// The group of the tests.
 pub(crate) const URL: &str = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
-
-/// The loopback interface with multicast on it.
-pub(crate) const MULTICAST: &str = "ip link set lo up && ip link set lo multicast on && \
-                                    ip route add 224.0.0.0/4 dev lo";
 
 /// Runs `body` in the test called `test`, alone in a namespace set up by the commands in `setup`,
 /// with `url` where liblcm looks for it.
