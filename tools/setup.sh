@@ -21,7 +21,7 @@ for job in "$@"; do
     race)
         need gcc "links the program" "command -v cc"
         need liblcm-dev "the C library behind the LCM networks other than UDP" "test -e /usr/include/lcm/lcm.h"
-        need libclang-dev "bindings for the FMUs of other vendors are made from the FMI headers" "ls /usr/lib/llvm*/lib/libclang*.so*"
+        need libclang-dev "bindings for the FMUs of other vendors are made from the FMI headers" "ls /usr/lib/llvm*/lib /usr/lib/*-linux-gnu | grep -qE '^libclang(-[0-9.]+)?[.]so'"
         need libc6-dev "C start-up code the linker needs" "echo 'int main(void){return 0;}' | cc -x c - -o /dev/null"
         ;;
     test)
