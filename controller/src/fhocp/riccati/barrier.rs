@@ -15,6 +15,8 @@
 //! the Riccati recursion; with it, sigma stays below 1 / delta. What is left of r vanishes with
 //! dz: the point of convergence is not moved.
 
+use std::ops::Range;
+
 use crate::lanes::dot;
 
 /// Rows as flat arrays of one length.
@@ -97,10 +99,10 @@ impl Barrier {
         }
     }
 
-    /// Gaps from the image, no less than `least` of the width, and multipliers mu / w.
+    /// Gaps of some rows from the image, no less than `least` of the width, and multipliers mu / w.
     #[inline(always)]
-    pub(super) fn enter(&mut self, least: f64, mu: f64) {
-        for i in 0..self.w.len() {
+    pub(super) fn enter(&mut self, rows: Range<usize>, least: f64, mu: f64) {
+        for i in rows {
             self.w[i] = (self.b[i] - self.image[i]).max(least * self.width[i]);
             self.z[i] = mu / self.w[i];
         }

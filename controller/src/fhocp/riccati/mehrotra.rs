@@ -13,8 +13,12 @@ use super::stage::{Curvature, Gradient, penalty};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
 
-/// Part of the way to the boundary that a step takes.
-const TO_BOUNDARY: f64 = 0.995;
+/// Part of the way to the boundary that a step leaves, at most.
+const SHORT_OF_BOUNDARY: f64 = 0.01;
+/// The same in units of the gap, where that is less: the last steps converge quadratically.
+const SHORT_BY_GAP: f64 = 0.03;
+/// Predictors that go so far need no corrector: their second-order term is that of the gap.
+const FULL: f64 = 0.999;
 /// Steps below this are tried again with more centring.
 const SHORT: f64 = 0.2;
 /// Centring of that second try.
@@ -135,20 +139,22 @@ impl Work {
         self.direction(problem, false);
         let rows = self.rows.count() as f64;
         let gap = self.barrier.gap();
-        let after = self.barrier.gap_after(self.barrier.step());
-        let centring = (after / gap).powi(3);
-        // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
-        let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
-        self.barrier.correct(target, 1.0);
-        self.direction(problem, false);
         let mut step = self.barrier.step();
-        if step < SHORT {
-            // The second-order term misleads far from the central path: go back towards it.
-            self.barrier.correct(target.max(RECENTRING * gap / rows), 0.0);
+        if step < FULL {
+            let centring = (self.barrier.gap_after(step) / gap).powi(3);
+            // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
+            let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
+            self.barrier.correct(target, 1.0);
             self.direction(problem, false);
             step = self.barrier.step();
+            if step < SHORT {
+                // The second-order term misleads far from the central path: go back towards it.
+                self.barrier.correct(target.max(RECENTRING * gap / rows), 0.0);
+                self.direction(problem, false);
+                step = self.barrier.step();
+            }
         }
-        let step = TO_BOUNDARY * step;
+        step *= 1.0 - SHORT_OF_BOUNDARY.min(SHORT_BY_GAP * gap);
         let Point { x, u, .. } = &self.direction;
         costates(&self.gains, x, u, &mut self.costate_next);
         self.point.advance(step, &self.direction);

@@ -13,8 +13,10 @@ use super::mehrotra::Work;
 use super::rows::{SOFT, SPEED, quantities};
 use super::stage::penalty;
 
-/// Complementarity w z of every row at the start, in units of the cost: steps.
-const MU: f64 = 10.0;
+/// Complementarity w z of the stages' rows at the start, in units of the cost: steps.
+const MU: f64 = 3.0;
+/// The same of the hull weights.
+const MU_HULL: f64 = 1.0;
 /// Weight of the penalty that replaces the rows, in units of the cost.
 const PENALTY: f64 = 10.0;
 /// Least gap in units of the row's width.
@@ -54,7 +56,8 @@ impl Work {
         }
         self.renormalise();
         self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
-        self.barrier.enter(LEAST_GAP, MU);
+        self.barrier.enter(0..hull, LEAST_GAP, MU);
+        self.barrier.enter(hull..self.rows.count(), LEAST_GAP, MU_HULL);
         self.renormalise();
         true
     }
