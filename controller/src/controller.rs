@@ -148,7 +148,8 @@ impl Controller {
         &self.memory.plan
     }
 
-    /// The latest problem given to a solver; s counts from the car. After [`Controller::prepare`]
+    /// The latest problem given to a solver; s counts from where the plan expects
+    /// the car. After [`Controller::prepare`]
     /// it is in part the next one.
     #[must_use]
     pub fn problem(&self) -> &Fhocp {

@@ -24,7 +24,7 @@ impl Controller {
             let length = self.setup.track.length();
             self.memory.plan.cross_line(length);
             self.memory.query_s -= length;
-            self.work.safe_set.cross_line(length);
+            self.work.cross_line(length);
         }
         if !self.memory.learning {
             return self.warm_up(&seen.state, status);

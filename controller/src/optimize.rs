@@ -16,6 +16,8 @@ use crate::status::{Phase, Probe};
 pub(crate) struct Workspace {
     problem: Fhocp,
     solution: Solution,
+    /// Where the problem's s counts from [m].
+    origin: f64,
     /// States and acting inputs the model is linearised at.
     points: Vec<(State, Input)>,
     pub(crate) solver: Solver,
@@ -45,6 +47,7 @@ impl Workspace {
         Self {
             problem,
             solution: Solution::new(n, hull),
+            origin: 0.0,
             points: Vec::with_capacity(n),
             solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
@@ -60,6 +63,13 @@ impl Workspace {
 
     pub(crate) fn set_speed_cap(&mut self, config: &Config) {
         self.problem.speed_max = bound(config.limits.speed_cap);
+        self.solver.forget();
+    }
+
+    /// The car crosses the line: s counts on from it.
+    pub(crate) fn cross_line(&mut self, length: f64) {
+        self.safe_set.cross_line(length);
+        self.origin -= length;
     }
 
     /// Everything that does not need the measurement: model, safe set, lane and guards.
@@ -80,6 +90,12 @@ impl Workspace {
         self.safe_set.fill(&memory.dataset, &memory.derived.selected, &query, size);
         probe.end(Phase::SafeSet);
         self.weigh(&setup.config, memory);
+        probe.begin(Phase::Solve);
+        if !self.safe_set.points.is_empty() {
+            self.aim(memory);
+            self.solver.prepare(&self.problem);
+        }
+        probe.end(Phase::Solve);
     }
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
@@ -125,34 +141,38 @@ impl Workspace {
         self.problem.rate_cost = Vector2::new(acceleration, steering) / (dt * dt);
     }
 
-    /// Solves from `x_0`; on success the plan in `memory` is the new solution.
-    pub(crate) fn solve(&mut self, x_0: &State, memory: &mut Memory) -> SolveReport {
-        // s counts from the car: the numbers stay small whatever the length of the track.
-        let origin = x_0.s;
-        self.problem.x_0 = x_0.to_vector();
-        self.problem.x_0[4] = 0.0;
-        self.problem.u_prev = memory.u_prev.to_vector();
+    /// Hull and costs. s counts from where the plan expects the car: the numbers stay small
+    /// whatever the length of the track.
+    fn aim(&mut self, memory: &Memory) {
+        self.origin = memory.plan.x[0].s;
         for (ours, point) in self.problem.hull.iter_mut().zip(&self.safe_set.points) {
             *ours = *point;
-            ours[4] -= origin;
+            ours[4] -= self.origin;
         }
         self.problem.hull_cost.copy_from_slice(&self.safe_set.cost_to_go);
+    }
+
+    /// Solves from `x_0`; on success the plan in `memory` is the new solution.
+    pub(crate) fn solve(&mut self, x_0: &State, memory: &mut Memory) -> SolveReport {
+        self.problem.x_0 = x_0.to_vector();
+        self.problem.x_0[4] -= self.origin;
+        self.problem.u_prev = memory.u_prev.to_vector();
         let mut report = self.solver.solve(&self.problem, &mut self.solution);
         if report.status.usable() && !self.solution.is_finite() {
             report.status = crate::status::SolveStatus::Numerical;
         }
         if report.status.usable() {
             self.slacks.fill(&self.problem, &self.solution);
-            self.store(origin, memory);
+            self.store(memory);
         }
         report
     }
 
-    fn store(&self, origin: f64, memory: &mut Memory) {
+    fn store(&self, memory: &mut Memory) {
         let plan = &mut memory.plan;
         for (ours, x) in plan.x.iter_mut().zip(&self.solution.x) {
             *ours = State::from_vector(x);
-            ours.s += origin;
+            ours.s += self.origin;
         }
         for (ours, u) in plan.u.iter_mut().zip(&self.solution.u) {
             *ours = Input::from_vector(u);

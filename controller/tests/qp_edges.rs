@@ -150,6 +150,26 @@ fn result_does_not_depend_on_what_was_solved_before() {
 }
 
 #[test]
+fn prepared_or_not_makes_no_difference() {
+    let mut solver = RiccatiSolver::new(config(SolverMethod::Structured));
+    let mut solution = Solution::new(10, 20);
+    for seed in 0..6 {
+        let measured = random(seed, 10, 20, 0b11111);
+        let mut early = measured.clone();
+        early.x_0.fill(0.3);
+        early.u_prev.fill(-0.1);
+        solver.prepare(&early);
+        // What is prepared goes with the first solve, or is forgotten with what it was made for.
+        for _ in 0..2 {
+            let report = solver.solve(&measured, &mut solution);
+            assert_eq!((report, &solution), (structured(&measured).0, &structured(&measured).1));
+        }
+        solver.prepare(&random(seed + 100, 7, 15, 0b00111));
+        solver.forget();
+    }
+}
+
+#[test]
 fn too_few_iterations_give_the_best_iterate() {
     let problem = random(8, 10, 20, 0b11111);
     let mut solution = Solution::new(10, 20);

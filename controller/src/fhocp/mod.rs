@@ -247,6 +247,13 @@ pub struct SolveReport {
 
 /// A solver of the FHOCP. Its result depends on the problem alone, not on earlier solves.
 pub trait FhocpSolver {
+    /// Does what the next solve does not need x_0 and u_prev for: that solve must then be of this
+    /// problem, those two apart, and ends up as if it had not been prepared.
+    fn prepare(&mut self, _problem: &Fhocp) {}
+
+    /// Forgets what is prepared: the problem has changed.
+    fn forget(&mut self) {}
+
     /// Solves `problem` into `solution`, which has the problem's size.
     fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport;
 }

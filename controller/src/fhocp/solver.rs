@@ -44,6 +44,18 @@ impl Solver {
 }
 
 impl FhocpSolver for Solver {
+    fn prepare(&mut self, problem: &Fhocp) {
+        if let Some(structured) = &mut self.structured {
+            structured.prepare(problem);
+        }
+    }
+
+    fn forget(&mut self) {
+        if let Some(structured) = &mut self.structured {
+            structured.forget();
+        }
+    }
+
     fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
         let Some(structured) = &mut self.structured else {
             return self.clarabel.solve(problem, solution);

@@ -87,15 +87,20 @@ impl Barrier {
         greatest
     }
 
-    /// Curvature and pull of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.
+    /// Curvature of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.
     #[inline(always)]
     pub(super) fn penalise(&mut self, weight: f64) {
-        let rows = self.image.iter().zip(&self.b).zip(&self.width);
-        for ((sigma, pull), ((image, b), width)) in
-            self.sigma.iter_mut().zip(&mut self.pull).zip(rows)
-        {
+        for (sigma, width) in self.sigma.iter_mut().zip(&self.width) {
             *sigma = weight / (width * width);
-            *pull = *sigma * (image - b);
+        }
+    }
+
+    /// Pull of that penalty, from the image.
+    #[inline(always)]
+    pub(super) fn pull_back(&mut self) {
+        let rows = self.image.iter().zip(&self.b).zip(&self.sigma);
+        for (pull, ((image, b), sigma)) in self.pull.iter_mut().zip(rows) {
+            *pull = sigma * (image - b);
         }
     }
 

@@ -91,13 +91,14 @@ impl Work {
         work
     }
 
-    /// Iterates from the start; the best iterate ends up in `best`.
+    /// Iterates from the start, which has to be prepared; the best iterate ends up in `best`.
     #[inline(always)]
     pub(super) fn solve(&mut self, problem: &Fhocp, config: &SolverConfig) -> SolveReport {
+        self.start(problem);
+        let mut running = true;
         let mut least = f64::INFINITY;
         let mut since = 0;
         let mut iterations = 0;
-        let mut running = self.start(problem);
         while running {
             let residuals = self.residuals(problem);
             let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };

@@ -44,6 +44,8 @@ pub struct RiccatiSolver {
     /// The widest vectors this processor has.
     arch: Arch,
     work: Option<Work>,
+    /// Whether the work is that of the problem to come, and its first system could be factored.
+    prepared: Option<bool>,
 }
 
 impl RiccatiSolver {
@@ -51,7 +53,7 @@ impl RiccatiSolver {
     /// solve of each shape.
     #[must_use]
     pub fn new(config: SolverConfig) -> Self {
-        Self { config, arch: Arch::new(), work: None }
+        Self { config, arch: Arch::new(), work: None, prepared: None }
     }
 
     /// Writes the best iterate of the last solve again.
@@ -63,23 +65,38 @@ impl RiccatiSolver {
 }
 
 impl FhocpSolver for RiccatiSolver {
-    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
-        let failed = report(SolveStatus::Numerical, 0);
-        if !problem.is_finite() || problem.horizon() == 0 || problem.hull.is_empty() {
-            return failed;
+    fn prepare(&mut self, problem: &Fhocp) {
+        if problem.horizon() == 0 || problem.hull.is_empty() {
+            return;
         }
         let shape = Shape::of(problem);
         let work = match &mut self.work {
             Some(work) if work.rows.shape == shape => work,
             work => work.insert(Work::new(shape)),
         };
-        let report = self.arch.dispatch(Task { work, problem, config: &self.config });
-        if report.status != SolveStatus::Numerical
-            && let Some(work) = &self.work
-        {
-            work.write(solution);
+        self.prepared = Some(self.arch.dispatch(Preparation { work, problem }));
+    }
+
+    fn forget(&mut self) {
+        self.prepared = None;
+    }
+
+    fn solve(&mut self, problem: &Fhocp, solution: &mut Solution) -> SolveReport {
+        if self.prepared.is_none() {
+            self.prepare(problem);
         }
-        report
+        // The iterations leave nothing of it.
+        let prepared = self.prepared.take() == Some(true);
+        match &mut self.work {
+            Some(work) if prepared && problem.is_finite() => {
+                let report = self.arch.dispatch(Iteration { work, problem, config: &self.config });
+                if report.status != SolveStatus::Numerical {
+                    work.write(solution);
+                }
+                report
+            }
+            _ => report(SolveStatus::Numerical, 0),
+        }
     }
 }
 
@@ -87,14 +104,29 @@ fn report(status: SolveStatus, iterations: u32) -> SolveReport {
     SolveReport { status, iterations, backend: Backend::Structured }
 }
 
-/// One solve, compiled once for each instruction set.
-struct Task<'a> {
+/// What can be done before the measurement, compiled once for each instruction set.
+struct Preparation<'a> {
+    work: &'a mut Work,
+    problem: &'a Fhocp,
+}
+
+impl WithSimd for Preparation<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        self.work.prepare(self.problem)
+    }
+}
+
+/// The rest of a solve, likewise.
+struct Iteration<'a> {
     work: &'a mut Work,
     problem: &'a Fhocp,
     config: &'a SolverConfig,
 }
 
-impl WithSimd for Task<'_> {
+impl WithSimd for Iteration<'_> {
     type Output = SolveReport;
 
     #[inline(always)]

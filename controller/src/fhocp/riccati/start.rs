@@ -3,7 +3,8 @@
 //! Each row is first replaced by a penalty on its distance from the bound, in units of the row's
 //! width: one linear quadratic problem, solved by one pass of the machinery at hand. As its point
 //! to start from may hold any states, the defects of the dynamics are part of that pass; an
-//! unstable prediction is thereby rolled out under feedback. The slacks are then set close to
+//! unstable prediction is thereby rolled out under feedback. Its matrices do not depend on the
+//! measurement and are factored before it arrives. The slacks are then set close to
 //! their central path, gaps and hull weights moved inside their bounds.
 
 use nalgebra::Vector6;
@@ -25,12 +26,11 @@ const LEAST_GAP: f64 = 0.05;
 const REGULARISATION: f64 = 1e-8;
 
 impl Work {
-    /// Sets the first iterate; false if its system cannot be factored.
+    /// Reads all of the problem but x_0 and u_{-1}, and factors the first system, which depends on
+    /// neither; false if it cannot be factored.
     #[inline(always)]
-    pub(super) fn start(&mut self, problem: &Fhocp) -> bool {
-        let shape = self.rows.shape;
+    pub(super) fn prepare(&mut self, problem: &Fhocp) -> bool {
         let hull = self.rows.hull();
-        let mean = 1.0 / shape.hull as f64;
         self.barrier.delta[..hull].fill(REGULARISATION);
         self.barrier.delta[hull..].fill(0.0);
         self.rows.bounds(problem, &mut self.barrier.b);
@@ -39,14 +39,21 @@ impl Work {
         for (ours, model) in self.models.iter_mut().zip(&problem.model) {
             ours.load(model);
         }
+        self.barrier.penalise(PENALTY);
+        self.condense(problem)
+    }
+
+    /// Sets the first iterate of a prepared problem.
+    #[inline(always)]
+    pub(super) fn start(&mut self, problem: &Fhocp) {
+        let shape = self.rows.shape;
+        let hull = self.rows.hull();
+        let mean = 1.0 / shape.hull as f64;
         self.guess(problem);
 
         self.hull.costate(&self.point.x[shape.horizon], &self.point.lambda);
         self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
-        self.barrier.penalise(PENALTY);
-        if !self.condense(problem) {
-            return false;
-        }
+        self.barrier.pull_back();
         self.direction(problem, true);
         self.point.advance(1.0, &self.direction);
 
@@ -59,7 +66,6 @@ impl Work {
         self.barrier.enter(0..hull, LEAST_GAP, MU);
         self.barrier.enter(hull..self.rows.count(), LEAST_GAP, MU_HULL);
         self.renormalise();
-        true
     }
 
     /// Inputs held, states on the line from x_0 to the middle of the hull, equal weights; the
