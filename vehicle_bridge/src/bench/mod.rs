@@ -69,6 +69,8 @@ pub struct CaseTimes {
     pub steps: Vec<StepTimes>,
     /// Feedback part after `prepare`, as a share of the whole step, at the fewest laps.
     pub feedback_share: f64,
+    /// Whole step over one whose QP takes as long as tuned Clarabel's, at the fewest laps.
+    pub step_to_clarabel: f64,
     /// Whole step at the most laps over that at the fewest.
     pub growth: f64,
     /// The QP alone, each solver on the same problems.
@@ -120,14 +122,17 @@ pub fn measure(
     let qp = qp::measure(&case.config.solver, &problems);
     let median = |of: Option<&StepTimes>, name| of.map_or(f64::NAN, |step| step.median(name));
     let (few, most) = (steps.first(), steps.last());
+    let whole = median(few, step::WHOLE);
+    let tuned = qp.get(qp::TUNED).map_or(f64::NAN, |qp| qp.times.median_us);
     Ok(CaseTimes {
         name: case.name,
         car: case.car,
         track: case.track,
         horizon: case.config.horizon.steps,
         points: case.config.safe_set.neighbors * case.config.safe_set.laps,
-        feedback_share: median(few, step::FEEDBACK) / median(few, step::WHOLE),
-        growth: median(most, step::WHOLE) / median(few, step::WHOLE),
+        feedback_share: median(few, step::FEEDBACK) / whole,
+        step_to_clarabel: whole / (whole - median(few, step::QP) + tuned),
+        growth: median(most, step::WHOLE) / whole,
         steps,
         qp,
     })

@@ -11,6 +11,9 @@ use super::samples::{Times, preemptions};
 /// The solvers, as they are reported.
 const NAMES: [&str; 3] = ["structured", "Clarabel, tuned", "Clarabel, new each step"];
 
+/// Which of them is tuned Clarabel.
+pub(super) const TUNED: usize = 1;
+
 /// Times of one solver.
 #[derive(Debug, Clone, Serialize)]
 pub struct QpTimes {

@@ -15,8 +15,10 @@ const PHASES: [(&str, Phase); 5] = [
     ("linearise", Phase::Linearize),
     ("regress", Phase::Regress),
     ("safe set", Phase::SafeSet),
-    ("QP", Phase::Solve),
+    (QP, Phase::Solve),
 ];
+/// The QP, its part before the measurement included.
+pub(super) const QP: &str = "QP";
 /// What is left of the step.
 const REST: &str = "none of these";
 /// The step's part before the measurement.

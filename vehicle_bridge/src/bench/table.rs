@@ -35,8 +35,10 @@ fn write_case(case: &CaseTimes, out: &mut String) -> std::fmt::Result {
         case.steps.iter().map(|step| format!("{} of {}", step.preempted, step.steps)).collect();
     writeln!(
         out,
-        "  feedback part {:.2} of the whole step; left out as preempted: {}",
+        "  feedback part {:.2} of the whole step, whole step {:.2} of one with tuned Clarabel; left \
+         out as preempted: {}",
         case.feedback_share,
+        case.step_to_clarabel,
         left_out.join(", ")
     )?;
     writeln!(
