@@ -265,8 +265,11 @@ impl Bridge {
                 }
             }
             _ => {
-                if let Ok(beat) = Heartbeat::decode(&received.payload) {
-                    self.step(&Event::Pulse(beat.h.boot_id));
+                if let Ok(beat) = Heartbeat::decode(&received.payload)
+                    && let Answer::Rejected(reject) =
+                        self.step(&Event::Pulse(beat.h.boot_id)).answer
+                {
+                    self.refused = Some(format!("a life sign was refused: {reject}"));
                 }
             }
         }

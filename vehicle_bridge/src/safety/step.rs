@@ -52,6 +52,10 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Ok(()) => Answer::Accepted,
             Err(reject) => Answer::Rejected(reject),
         },
+        // Another's is no sign of the controller that holds the grant.
+        Event::Pulse(boot_id) if next.armed.is_some_and(|armed| armed != *boot_id) => {
+            Answer::Rejected(Reject::Boot)
+        }
         Event::Pulse(boot_id) => {
             next.pulse = Some((*boot_id, now_ns));
             Answer::None
@@ -147,8 +151,7 @@ impl Safety {
             then.map_or(NEVER, |then| then.saturating_add(patience))
         };
         let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
-        let pulse = self.pulse.filter(|(boot_id, _)| Some(*boot_id) == self.armed);
-        let heard = pulse.map_or(i64::MIN, |(_, then)| then.saturating_add(rules.pulse_ns));
+        let heard = from(self.pulse.map(|(_, then)| then), rules.pulse_ns);
         let running = self.phase == Phase::Running;
         let (due, valid) = match self.command {
             Some(c) => (

@@ -93,7 +93,7 @@ pub enum Answer {
     None,
     /// Believed, or obeyed.
     Accepted,
-    /// A command that was not believed.
+    /// A command that was not believed, or a life sign of another controller than the armed one.
     Rejected(Reject),
     /// An order that was not obeyed.
     Denied(Denied),
@@ -115,7 +115,7 @@ pub struct Output {
 pub struct Counts {
     /// Believed. \[-\]
     pub ok: i64,
-    /// Refused by number or sender. \[-\]
+    /// Refused by number or sender, and life signs of another controller than the armed one. \[-\]
     pub old: i64,
     /// Refused by age. \[-\]
     pub stale: i64,

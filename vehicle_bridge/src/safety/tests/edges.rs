@@ -156,3 +156,39 @@ fn a_car_stands_below_the_limit_and_not_at_it() {
     // It stands; what is missing next is a second of good states.
     assert_eq!(arm(0.99 * rules.still), Answer::Denied(Denied::NotGood { good_s: 0.0 }));
 }
+
+#[test]
+fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
+    let rules = rules();
+    let mut safety = Safety::default();
+    let mut tell = |event: Event<'_>, at_ms: i64| {
+        let (next, output) = step(&rules, &safety, &event, at_ms * MS);
+        safety = next;
+        (safety, output.answer)
+    };
+    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let arm = OrderKind::Arm { moving: false };
+    let still = Event::State(State::default(), 2);
+    tell(still, 900);
+    tell(still, 1000);
+    tell(Event::Track(CONTROLLER, rules.track_id), 1000);
+    tell(Event::Pulse(OTHER), 1000);
+    tell(Event::Pulse(CONTROLLER), 1000);
+    assert_eq!(tell(order(arm), 1000).1, Answer::Accepted, "of two, the newest");
+    let refused = Answer::Rejected(Reject::Boot);
+    for (n, at_ms) in (1010..=1150).step_by(10).enumerate() {
+        tell(still, at_ms);
+        let (safety, answer) = tell(Event::Pulse(OTHER), at_ms);
+        assert_eq!((safety.phase(), answer), (Phase::Armed, refused));
+        assert_eq!(safety.counts(), Counts { old: n as i64 + 1, ..Counts::default() });
+    }
+    // The armed controller's are missed as without it.
+    let (safety, answer) = tell(Event::Pulse(OTHER), 1151);
+    assert_eq!((safety.phase(), safety.lapse()), (Phase::Idle, Lapse::Pulse));
+    assert_eq!(answer, Answer::None, "in IDLE the newest is taken");
+    tell(Event::Track(OTHER, rules.track_id), 1152);
+    assert_eq!(tell(order(arm), 1152).1, Answer::Accepted);
+    assert_eq!(tell(order(OrderKind::Start), 1153).1, Answer::Accepted);
+    assert_eq!(tell(Event::Pulse(CONTROLLER), 1154).1, refused, "nor while it drives");
+    assert_eq!(tell(Event::Pulse(OTHER), 1155).1, Answer::None);
+}

@@ -115,7 +115,9 @@ impl Generator {
             }
             _ if !self.once_in(often) => None,
             Phase::Boot | Phase::Idle => Some(OrderKind::Arm { moving: n % 9 == 0 }),
-            Phase::Armed => (mood != Mood::NoStates).then_some(OrderKind::Start),
+            // What ends ARMED alone needs time.
+            Phase::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
+            Phase::Armed => Some(OrderKind::Start),
             Phase::Fault | Phase::Estop => Some(OrderKind::Reset),
             Phase::Running | Phase::SafeStop => None,
         };
@@ -202,7 +204,7 @@ impl Generator {
                 };
                 Event::State(State { v_x, s, ..State::default() }, quality)
             }
-            Plan::Pulse => Event::Pulse(self.sender),
+            Plan::Pulse => Event::Pulse(if odd { OTHER } else { self.sender }),
             Plan::Track => {
                 let on = if odd { rules.track_id + 1 } else { rules.track_id };
                 Event::Track(if self.once_in(12) { OTHER } else { self.sender }, on)

@@ -60,6 +60,11 @@ impl Model {
             }
             Event::Command(offer) => self.hear(offer, damage, now),
             Event::Pulse(sender) => {
+                let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+                if granted && *sender != self.holder {
+                    self.counts.old += 1;
+                    return Answer::Rejected(Reject::Boot);
+                }
                 self.pulse = Some((*sender, now));
                 Answer::None
             }
@@ -109,8 +114,7 @@ impl Model {
         };
         let patience = rules.tick_ns + rules.timeout_ns;
         let is_state = matches!(event, Event::State(..));
-        let pulse = self.pulse.filter(|(sender, _)| *sender == self.holder);
-        let pulse = pulse.map_or(i64::MIN / 2, |(_, at)| at);
+        let pulse = self.pulse.map_or(i64::MIN / 2, |(_, at)| at);
         let begun = self.phase == Phase::Running;
         let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
             now - c.arrival_ns > rules.period_ns + rules.timeout_ns
