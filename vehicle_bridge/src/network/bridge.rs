@@ -11,6 +11,7 @@ use lcm_types::{
 };
 use vehicle_model::Input;
 
+use super::account::{Account, Refused};
 use super::guard::Counts;
 use super::orders::{Heard, Orders};
 use super::outlet::{Identity, Outlet, random};
@@ -52,12 +53,9 @@ pub struct Bridge {
     states: Outlet,
     reports: Outlet,
     acks: Outlet,
-    pulse: Pulse,
-    notes: Vec<String>,
-    log: Option<Log>,
+    pulse: Pulse<Account>,
     unsent: u64,
     desk: Orders,
-    refused: Option<String>,
     /// What the car was told at the last tick.
     held: Input,
     source: Source,
@@ -87,14 +85,15 @@ impl Bridge {
         let names = vec![channels::TRACK.to_owned(), life];
         network.subscribe(Filter::Only(names), others.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default().to_owned();
+        let pulse: Pulse<Account> = Pulse::start(network, &identity, "bridge", None)?;
+        pulse.update(|health| health.detail.notes = notes.into());
         Ok(Self {
             states: Outlet::new(network, &identity, channels::STATE),
             reports: Outlet::new(network, &identity, channels::ACTUATION),
             acks: Outlet::new(network, &identity, channels::OPERATOR_ACK),
-            pulse: Pulse::start(network, &identity, "bridge", None)?,
+            pulse,
             safety: Safety::default(),
             desk: Orders::new(&host),
-            refused: None,
             held: Input::default(),
             source: Source::None,
             bridged: Bridged::default(),
@@ -103,16 +102,14 @@ impl Bridge {
             host,
             commands,
             others,
-            notes,
-            log: None,
             unsent: 0,
         })
     }
 
     /// Tells in every life sign what the log behind the network loses.
     #[must_use]
-    pub fn with_log(mut self, log: Option<Log>) -> Self {
-        self.log = log;
+    pub fn with_log(self, log: Option<Log>) -> Self {
+        self.pulse.update(|health| health.detail.log = log);
         self
     }
 
@@ -216,8 +213,12 @@ impl Bridge {
     }
 
     fn fail(&mut self, why: &str) {
-        self.refused = Some(why.to_owned());
+        self.refuse(Refused::Car(why.into()));
         self.step(&Event::CarFailed);
+    }
+
+    fn refuse(&self, what: Refused) {
+        self.pulse.update(|health| health.detail.refused = Some(what));
     }
 
     /// A message of a real car.
@@ -254,7 +255,7 @@ impl Bridge {
                 reject
             }
         };
-        self.refused = Some(format!("a command was refused: {reject}"));
+        self.refuse(Refused::Command(reject));
     }
 
     fn hear(&mut self, received: &Received) {
@@ -269,7 +270,7 @@ impl Bridge {
                     && let Answer::Rejected(reject) =
                         self.step(&Event::Pulse(beat.h.boot_id)).answer
                 {
-                    self.refused = Some(format!("a life sign was refused: {reject}"));
+                    self.refuse(Refused::LifeSign(reject));
                 }
             }
         }
@@ -340,34 +341,16 @@ impl Bridge {
         self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
         let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
-        let mut detail = self.notes.clone();
-        let (lapse, missed) = (self.safety.lapse(), self.bridged.missed);
-        if lapse != Lapse::None {
-            detail.push(format!("last stop: {lapse}"));
-        }
-        if c.limited > 0 {
-            let asked = output.applied.asked;
-            let sent = output.applied.sent;
-            detail.push(format!(
-                "{} inputs limited; now asked {:.2} m/s^2, {:.3} rad, sent {:.2}, {:.3}, limits {:#x}",
-                c.limited, asked.a, asked.delta, sent.a, sent.delta, output.applied.bits
-            ));
-        }
-        if missed > 0 {
-            detail.push(format!("{missed} ticks missed"));
-        }
-        if self.unsent > 0 {
-            detail.push(format!("{} messages could not be sent", self.unsent));
-        }
-        detail.extend(self.log.as_ref().and_then(Log::complaint));
-        detail.extend(self.side.note());
-        detail.extend(self.refused.clone());
+        let (lapse, missed, unsent) = (self.safety.lapse(), self.bridged.missed, self.unsent);
+        let car = self.side.counts();
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
             health.arm_token = arm_token;
-            health.detail = detail.join("; ");
+            let said = &mut health.detail;
+            (said.lapse, said.missed, said.unsent, said.car) = (lapse, missed, unsent, car);
+            (said.limited, said.applied) = (c.limited, Some(output.applied));
         });
     }
 }

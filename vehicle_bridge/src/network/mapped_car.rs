@@ -47,7 +47,7 @@ pub struct MappedCar {
     car: CarParams,
     states: Outlet,
     reports: Outlet,
-    pulse: Pulse,
+    pulse: Pulse<crate::mapping::Counts>,
     boot_id: i64,
     /// Whether the car moves, by its last state.
     moves: bool,
@@ -214,7 +214,7 @@ impl MappedCar {
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
-            health.detail = source.to_string();
+            health.detail = source;
         });
         self.reports.send_sealed(&report)
     }

@@ -5,6 +5,7 @@
 //! Checks of what comes in are in [`guard`].
 //! [`convert`] and [`telemetry`] alone know how messages and the controller's types correspond.
 
+mod account;
 pub mod bridge;
 pub mod car;
 pub mod convert;

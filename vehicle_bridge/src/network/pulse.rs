@@ -1,5 +1,6 @@
 //! Life signs, ten a second, from a thread of their own, and once a second the track.
 
+use std::fmt::{Display, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -19,24 +20,24 @@ const PAGE_MB: f32 = 4096.0 / 1e6;
 
 /// What a program says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Health {
+pub struct Health<D = String> {
     /// One of the states of [`Heartbeat`].
     pub state: i8,
     /// Messages received and refused.
     pub counts: Counts,
     /// The grant in force, 0 for none. \[-\]
     pub arm_token: i64,
-    /// What a person should know.
-    pub detail: String,
+    /// What a person should know; put into words when it is sent.
+    pub detail: D,
 }
 
 /// The sending thread; ends when dropped.
-pub struct Pulse {
-    health: Arc<Mutex<Health>>,
+pub struct Pulse<D = String> {
+    health: Arc<Mutex<Health<D>>>,
     _worker: Worker,
 }
 
-impl Pulse {
+impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
     /// Begins to send on `HB/<name>`, and `track`, if there is one, on `MAP/TRACK`.
     ///
     /// # Errors
@@ -47,7 +48,7 @@ impl Pulse {
         name: &str,
         track: Option<Track>,
     ) -> std::io::Result<Self> {
-        let health: Arc<Mutex<Health>> = Arc::default();
+        let health: Arc<Mutex<Health<D>>> = Arc::default();
         let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
         let track = track.map(|t| (Outlet::new(network, identity, channels::TRACK), t));
         let seen = Arc::clone(&health);
@@ -56,17 +57,19 @@ impl Pulse {
     }
 
     /// Changes what is said.
-    pub fn update(&self, change: impl FnOnce(&mut Health)) {
+    pub fn update(&self, change: impl FnOnce(&mut Health<D>)) {
         change(&mut self.health.lock().unwrap_or_else(PoisonError::into_inner));
     }
 }
 
-fn beat(
+fn beat<D: Display + Clone>(
     mut outlet: Outlet,
     mut track: Option<(Outlet, Track)>,
-    health: &Mutex<Health>,
+    health: &Mutex<Health<D>>,
     stop: &AtomicBool,
 ) {
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let mut message = Heartbeat { version, ..Heartbeat::default() };
     let begun = Instant::now();
     let mut due = begun;
     for count in 0_u64.. {
@@ -75,7 +78,11 @@ fn beat(
         }
         let Health { state, counts, arm_token, detail } =
             health.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let message = Heartbeat {
+        let mut words = std::mem::take(&mut message.detail);
+        words.clear();
+        // A text takes everything.
+        let _ = write!(words, "{detail}");
+        message = Heartbeat {
             h: outlet.header(),
             state,
             arm_token,
@@ -86,9 +93,8 @@ fn beat(
             rx_old: counts.old,
             rx_stale: counts.stale,
             rx_lost: counts.lost,
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            detail,
-            ..Heartbeat::default()
+            detail: words,
+            ..message
         };
         // A life sign that is lost is what its absence says.
         let _ = outlet.send(&message);
@@ -107,4 +113,70 @@ pub(crate) fn resident_mb(process: &str) -> f32 {
     let text = std::fs::read_to_string(format!("/proc/{process}/statm")).unwrap_or_default();
     let pages = text.split_whitespace().nth(1).and_then(|pages| pages.parse::<f32>().ok());
     pages.unwrap_or(0.0) * PAGE_MB
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use std::fmt;
+    use std::sync::atomic::AtomicUsize;
+
+    use lcm_types::Message as _;
+
+    use super::*;
+    use crate::transport::{Error, Filter, Sink, Statistics};
+
+    /// Keeps what is said.
+    #[derive(Default)]
+    struct Ear(Mutex<Vec<Heartbeat>>);
+
+    impl Transport for Ear {
+        fn publish(&self, _: &str, payload: &[u8]) -> Result<(), Error> {
+            self.0.lock().unwrap().push(Heartbeat::decode(payload).unwrap());
+            Ok(())
+        }
+
+        fn subscribe(&self, _: Filter, _: Box<dyn Sink>) -> Result<(), Error> {
+            Ok(())
+        }
+
+        fn statistics(&self) -> Statistics {
+            Statistics::default()
+        }
+
+        fn warnings(&self) -> &[String] {
+            &[]
+        }
+    }
+
+    /// Counts how often it is put into words.
+    #[derive(Clone, Default)]
+    struct Words(u32, Arc<AtomicUsize>);
+
+    impl Display for Words {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            write!(f, "tick {}", self.0)
+        }
+    }
+
+    #[test]
+    fn words_are_made_for_what_is_sent_and_not_at_every_tick() {
+        let (ear, made) = (Arc::new(Ear::default()), Arc::new(AtomicUsize::new(0)));
+        let network: Arc<dyn Transport> = Arc::<Ear>::clone(&ear);
+        let pulse = Pulse::start(&network, &Identity::new("test"), "test", None).unwrap();
+        for tick in (0..40).map(|n| 1000 - n) {
+            pulse.update(|health| health.detail = Words(tick, Arc::clone(&made)));
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        drop(pulse);
+        let said: Vec<_> = ear.0.lock().unwrap().drain(..).map(|beat| beat.detail).collect();
+        // The first life sign may come before the first tick.
+        let mut made = made.load(Ordering::Relaxed);
+        made += usize::from(said.first().is_some_and(|first| first == "tick 0"));
+        assert!(said.len() >= 3, "{said:?}");
+        assert_eq!(made, said.len(), "{said:?}");
+        let ticks: Vec<u32> = said.iter().skip(1).map(|said| said[5..].parse().unwrap()).collect();
+        assert!(ticks.windows(2).all(|pair| pair[0] > pair[1]), "each says its own: {said:?}");
+    }
 }

@@ -8,7 +8,7 @@ use lcm_types::{Header, VehicleState};
 use vehicle_model::{Input, State, Track};
 
 use super::convert;
-use crate::mapping::{Drive, Mapping};
+use crate::mapping::{self, Drive, Mapping};
 use crate::safety::{Output, Source};
 use crate::transport::{self, Received, Transport};
 use crate::vehicle::{Vehicle, VehicleError};
@@ -128,11 +128,11 @@ impl CarSide {
         (0..LAST_WORDS).try_for_each(|_| car.tell(None))
     }
 
-    /// What a person should know of the car's messages.
+    /// What became of a real car's messages.
     #[must_use]
-    pub fn note(&self) -> Option<String> {
+    pub fn counts(&self) -> Option<mapping::Counts> {
         let Self::Mapped(car) = self else { return None };
-        Some(car.mapping.counts().to_string())
+        Some(car.mapping.counts())
     }
 }
 
