@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use anyhow::{Result, bail};
 use lcm_types::OperatorCommand;
@@ -32,7 +33,8 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
     let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
-    let side = side(args, &options, &network)?;
+    let tick = Duration::from_nanos(rules.tick_ns.unsigned_abs());
+    let side = side(args, &options, tick, &network)?;
     if let CarSide::Mapped(_) = side {
         // A source by a map has neither numbers nor validity; who chose it knows.
         rules.quality = 1;
@@ -86,11 +88,17 @@ fn check(args: &BridgeArgs) -> Result<()> {
 }
 
 /// The car's side that the command line names.
-fn side(args: &BridgeArgs, options: &RaceOptions, network: &Arc<dyn Transport>) -> Result<CarSide> {
+fn side(
+    args: &BridgeArgs,
+    options: &RaceOptions,
+    tick: Duration,
+    network: &Arc<dyn Transport>,
+) -> Result<CarSide> {
     if let Some(file) = args.vehicle.strip_prefix("fmu:") {
         let (file, controller) = (Path::new(file), &args.controller);
         let car = vehicle::fmu(file, &args.fmu, controller, options, args.seed, 0.0)?;
-        return Ok(CarSide::Simulated(Box::new(car)));
+        // A vendor's may know one step size alone.
+        return Ok(CarSide::stepped(Box::new(car), tick));
     }
     if let Some(map) = args.fmu.map.as_ref().filter(|_| args.vehicle == "car") {
         return Ok(CarSide::mapped(map_file::load(map)?, &options.track, network));

@@ -116,7 +116,8 @@ impl Bridge {
     /// Runs until `stop` is set; `on_change` hears of every change of state.
     pub fn run(&mut self, stop: &AtomicBool, on_change: &mut dyn FnMut(Phase, Lapse)) -> Bridged {
         let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
-        let (mut due, mut acted) = (Instant::now(), Instant::now());
+        let mut due = Instant::now();
+        let mut acted = due;
         let mut last = self.safety.phase();
         while !stop.load(Ordering::Relaxed) {
             // From the last deadline, not from now: the beat does not drift.
@@ -124,7 +125,7 @@ impl Bridge {
             while self.listen(due) {
                 // Between two beats: what ends the grant does not wait for the next one.
                 let now = Instant::now().clamp(acted, due);
-                self.act((now - acted).as_secs_f64());
+                self.act(now - acted);
                 acted = now;
             }
             let late = Instant::now().saturating_duration_since(due);
@@ -133,7 +134,7 @@ impl Bridge {
             self.bridged.ticks += 1;
             self.bridged.missed += u64::from(missed);
             self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
-            self.act((due - acted).as_secs_f64());
+            self.act(due - acted);
             acted = due;
             let phase = self.safety.phase();
             if phase != last {
@@ -185,8 +186,8 @@ impl Bridge {
         due.min(Instant::now() + Duration::from_nanos(left_ns.max(0).unsigned_abs()))
     }
 
-    /// The car moves on by `dt` \[s\], is measured, and gets its next input.
-    fn act(&mut self, dt: f64) {
+    /// The car moves on by `dt`, is measured, and gets its next input.
+    fn act(&mut self, dt: Duration) {
         let held = self.held;
         if self.safety.phase() != Phase::Fault
             && let Err(error) = self.side.drive(held, dt)
