@@ -40,4 +40,6 @@ TOML
     printf '[profile.dev]\nopt-level = 1\ndebug = false\n[profile.dev.package."*"]\nopt-level = 2\n'
 } > "$package/Cargo.toml"
 cd "$package"
+# The package is a copy already; in place, what it depends on is built once and kept.
+[ "${CARGO_MUTANTS:-mutants}" != mutants ] || set -- --in-place "$@"
 exec cargo "${CARGO_MUTANTS:-mutants}" "$@"

@@ -192,3 +192,14 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     assert_eq!(tell(Event::Pulse(CONTROLLER), 1154).1, refused, "nor while it drives");
     assert_eq!(tell(Event::Pulse(OTHER), 1155).1, Answer::None);
 }
+
+#[test]
+fn a_state_is_called_by_its_number() {
+    use Phase::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
+    let names = ["BOOT", "IDLE", "ARMED", "RUNNING", "SAFE_STOP", "FAULT", "ESTOP"];
+    let phases = [Boot, Idle, Armed, Running, SafeStop, Fault, Estop];
+    for (phase, name) in phases.into_iter().zip(names) {
+        assert_eq!((phase.name(), Phase::name_of(phase as i8)), (name, name));
+    }
+    assert_eq!(Phase::name_of(i8::MAX), "unknown");
+}
