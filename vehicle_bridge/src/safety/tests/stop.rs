@@ -70,43 +70,77 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
     f64::NEG_INFINITY
 }
 
-/// Twenty points of the lap, at `wanted` \[m/s\] or what a car has there that takes corners with the
-/// first share of its grip and brakes for those ahead with the second: the least margin. \[m\]
-fn least_of_lap(car: &CarParams, track: &Arc<Track>, wanted: f64, shares: (f64, f64)) -> f64 {
+/// What a car may have at `s`, up to `wanted` \[m/s\], that takes corners with the first share of its
+/// grip and brakes for those ahead with the second.
+fn speed_at(car: &CarParams, track: &Track, s: f64, wanted: f64, shares: (f64, f64)) -> f64 {
     let grip = 9.81 * car.tyre_front.mu.min(car.tyre_rear.mu);
+    let brake = shares.1 * grip.min(-car.a_min);
+    (0..400).fold(wanted, |least, i| {
+        let ahead = f64::from(i) * 0.5;
+        let corner = shares.0 * grip / track.kappa(track.wrap(s + ahead)).abs().max(1e-9);
+        least.min((corner + 2.0 * brake * ahead).sqrt())
+    })
+}
+
+/// Drives into a silence at each of `points` and stops inside the track.
+fn stops_from(
+    points: &[f64],
+    car: &CarParams,
+    track: &Arc<Track>,
+    wanted: f64,
+    shares: (f64, f64),
+) {
     let (mut slower, mut worst) = (0, f64::INFINITY);
-    for point in 0..POINTS {
-        let s = track.length() * f64::from(point) / f64::from(POINTS);
-        let brake = shares.1 * grip.min(-car.a_min);
-        let speed = (0..400).fold(wanted, |least, i| {
-            let ahead = f64::from(i) * 0.5;
-            let corner = shares.0 * grip / track.kappa(track.wrap(s + ahead)).abs().max(1e-9);
-            least.min((corner + 2.0 * brake * ahead).sqrt())
-        });
+    for &s in points {
+        let speed = speed_at(car, track, s, wanted, shares);
         slower += u32::from(speed < wanted);
         worst = least_margin(car, track, s, speed).min(worst);
     }
     #[allow(clippy::print_stdout, reason = "figures, seen with --nocapture")]
     {
-        println!("{shares:?}: {slower} of {POINTS} points below {wanted} m/s; margin {worst:.3} m");
+        let count = points.len();
+        println!("{shares:?}: {slower} of {count} points below {wanted} m/s; margin {worst:.3} m");
     }
-    worst
+    assert!(worst > 0.0, "least margin {worst:.3} m");
 }
 
-fn stops(car: &str, track: &str, wanted: f64, shares: (f64, f64)) {
-    let car = CarParams::builtin(car).unwrap();
-    let track = Arc::new(Track::builtin(track).unwrap());
-    let worst = least_of_lap(&car, &track, wanted, shares);
-    assert!(worst > 0.0, "least margin {worst:.3} m");
+/// Twenty points, evenly spread over the lap.
+fn over_the_lap(track: &Track) -> Vec<f64> {
+    (0..POINTS).map(|i| track.length() * f64::from(i) / f64::from(POINTS)).collect()
 }
 
 #[test]
 fn the_small_car_stops_inside_the_l_track_from_everywhere() {
-    stops("barc", "l", 3.5, (f64::INFINITY, f64::INFINITY));
+    let car = CarParams::builtin("barc").unwrap();
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let shares = (f64::INFINITY, f64::INFINITY);
+    stops_from(&over_the_lap(&track), &car, &track, 3.5, shares);
 }
+
+/// 50 m/s at every point is no state of the IAC car: it could not have braked for the hairpins.
+const IAC: (f64, (f64, f64)) = (50.0, (0.85, 0.75));
 
 #[test]
 fn the_iac_car_stops_inside_the_road_course_from_everywhere() {
-    // 50 m/s at every point is no state of this car: it could not have braked for the hairpins.
-    stops("iac", "road_course", 50.0, (0.85, 0.75));
+    let car = CarParams::builtin("iac").unwrap();
+    let track = Arc::new(Track::builtin("road_course").unwrap());
+    stops_from(&over_the_lap(&track), &car, &track, IAC.0, IAC.1);
+}
+
+#[test]
+fn the_iac_car_stops_inside_the_road_course_wherever_it_may_have_50_mps() {
+    let car = CarParams::builtin("iac").unwrap();
+    let track = Arc::new(Track::builtin("road_course").unwrap());
+    let (wanted, shares) = IAC;
+    let allowed: Vec<f64> = (0..)
+        .map(f64::from)
+        .take_while(|&s| s < track.length())
+        .filter(|&s| speed_at(&car, &track, s, wanted, shares) >= wanted)
+        .collect();
+    // Evenly spread over these parts of the lap; then every metre of them.
+    let count = POINTS as usize;
+    let twenty: Vec<f64> = (1..=count).map(|i| allowed[allowed.len() * i / count - 1]).collect();
+    for points in [&twenty, &allowed] {
+        stops_from(points, &car, &track, wanted, shares);
+    }
 }
