@@ -32,6 +32,8 @@ fmu-test: fmu
 	tools/fmu_check.sh
 	tools/fmu_host_check.sh
 	tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
+	tests/interop/bridged_cars.sh fmu:$(FMU)/check/foreign/DegreesVehicle.fmu \
+		examples/fmu/degrees_map.toml
 
 lint:
 	cargo fmt --check

@@ -64,4 +64,7 @@ class ForeignVehicle(Fmi2Slave):
             self.v_x += h * v_x
             self.v_y += h * v_y
             self.omega_z += h * omega
+            if self.a <= 0.0 and self.v_x <= 0.0:
+                # The brake holds the car, it does not drive it backwards.
+                self.v_x = self.v_y = self.omega_z = 0.0
         return True

@@ -2,7 +2,8 @@
 # `lmpc bridge` before cars that are not the simulated one, in a network namespace of its own: a
 # lap behind the grant, then the controller is killed and the car has to stand on the track.
 #     tests/interop/bridged_cars.sh car             a car with messages of its own, by its map
-#     tests/interop/bridged_cars.sh fmu:FILE        a vehicle FMU
+#     tests/interop/bridged_cars.sh fmu:FILE        our vehicle FMU
+#     tests/interop/bridged_cars.sh fmu:FILE MAP    another tool's, by its map
 set -eu
 cd "$(dirname "$0")/../.."
 tests/interop/needs.sh target/lcm/venv/bin/python
@@ -24,7 +25,7 @@ if [ "$vehicle" = car ]; then
     "$python" examples/lcm/foreign_car.py --rate 50 --distance 1000 --patience 240 &
     pids="$bridge $!"
 else
-    $lmpc bridge --vehicle "$vehicle" 2>"$out/bridge.txt" &
+    $lmpc bridge --vehicle "$vehicle" ${2:+--map "$2"} 2>"$out/bridge.txt" &
     bridge=$!
     pids=$bridge
 fi
@@ -66,13 +67,16 @@ done
 grep '^lap' "$out/serve.txt"
 $lmpc top --once --listen 0.5
 kill -9 $serve
-until_true "program['bridge']['state'] == 'IDLE' and seen['car']['v_x_mps'] < 0.1"
+until_true "program['bridge']['state'] == 'IDLE' and abs(seen['car']['v_x_mps']) < 0.1"
 until_true "seen['last_stop'] in ('no valid command in time', \"the last command's validity ended\")"
 # Another start of the controller, without a grant: it only tells where the track is.
 $lmpc serve --dry-run 2>/dev/null &
 pids="$pids $!"
 until_true "seen['track'] is not None"
-[ "$(now "-seen['car']['width_m'][1] < seen['car']['e_y_m'] < seen['car']['width_m'][0]" 1.5)" = True ]
+# It still stands seconds later: the brake that holds it must not drive it backwards.
+sleep 3
+[ "$(now "abs(seen['car']['v_x_mps']) < 0.1
+    and -seen['car']['width_m'][1] < seen['car']['e_y_m'] < seen['car']['width_m'][0]" 1.5)" = True ]
 echo "stands at s $(now "round(seen['car']['s_m'], 2)" 1.5), e_y $(now "round(seen['car']['e_y_m'], 3)" 1.5) m"
 kill -INT $bridge
 wait $bridge
