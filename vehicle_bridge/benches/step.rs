@@ -5,7 +5,7 @@
 use vehicle_bridge::bench::{BenchError, Plan, cases, measure, text};
 
 fn main() -> Result<(), BenchError> {
-    let plan = Plan { steps: 300, laps: vec![4, 100, 1000] };
+    let plan = Plan { steps: 300, laps: vec![4, 100, 1000], initial: 4 };
     for case in cases()? {
         println!("{}", text(&measure(&case, &plan, |_| {})?));
     }

@@ -44,6 +44,14 @@ impl Circuit {
         })
     }
 
+    /// Drives until `laps` are stored.
+    pub fn race(&mut self, laps: usize) {
+        while self.controller.laps().len() < laps {
+            let command = self.controller.step(&self.measurement());
+            self.drive(&command);
+        }
+    }
+
     /// What the sensors say now.
     #[must_use]
     pub fn measurement(&self) -> Measurement {

@@ -14,8 +14,12 @@ pub fn text(case: &CaseTimes) -> String {
 }
 
 fn write_case(case: &CaseTimes, out: &mut String) -> std::fmt::Result {
-    let CaseTimes { name, horizon, points, track, .. } = case;
-    writeln!(out, "{name}, track {track}, N {horizon}, {points} points")?;
+    let CaseTimes { name, horizon, points, track, initial, .. } = case;
+    writeln!(
+        out,
+        "{name}, track {track}, N {horizon}, {points} points, laps stored after the first {initial} \
+         learned ones"
+    )?;
     write!(out, "  {:<16}", "us: median, p99")?;
     for step in &case.steps {
         write!(out, "{:>20}", format!("{} laps", step.laps))?;

@@ -21,6 +21,11 @@ pub struct BenchArgs {
     /// Laps stored, each number apart; growth is from the first to the last
     #[arg(long, default_value = "4,100,1000", value_delimiter = ',', value_name = "N,...", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub laps: Vec<u32>,
+    /// Initial laps among those stored, at most; the others were learned, as in a race. With as
+    /// many as are stored the search has its hardest time: the car is faster than all its data. The
+    /// full-size car, whose laps are long, always stores initial laps
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub initial: u32,
     /// One set-up only: 0 and 1 are the 1:10 car with N 10, 2 with N 20, 3 the full-size car with N 60
     #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(0..=3))]
     pub case: Option<u32>,

@@ -10,7 +10,7 @@ use crate::console::{Talk, result};
 /// Measures and prints case after case.
 pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
     let laps = args.laps.iter().map(|laps| *laps as usize).collect();
-    let plan = Plan { steps: args.steps as usize, laps };
+    let plan = Plan { steps: args.steps as usize, laps, initial: args.initial as usize };
     let mut all = Vec::new();
     for (i, case) in (0..).zip(cases()?) {
         if args.case.is_some_and(|only| only != i) {
