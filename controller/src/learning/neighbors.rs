@@ -1,17 +1,19 @@
-//! Exact nearest neighbours in the regression's space: a k-d tree with leaves of points side by
-//! side and a box around the points of every node.
+//! Exact nearest neighbours in the regression's space: a tree of boxes with leaves of points side by
+//! side. The boxes below a node lie side by side too, for the lanes of the processor's vectors.
 //!
-//! It grows lap by lap: a point goes down to its leaf, and a full leaf is split at its median. The
-//! boxes prune, not the splitting planes: laps lie close together, most of the space is empty, and
-//! where the car is faster than ever the query itself lies in the empty part. A query allocates
-//! nothing. Same result as a linear scan, ties broken by index, whatever the shape of the tree.
+//! It grows lap by lap: a point goes down to the leaf whose box is nearest, and a full leaf is split
+//! at its median. Laps lie close together and most of the space is empty; where the car is faster
+//! than ever the query itself lies in the empty part. A query allocates nothing. Same result as a
+//! linear scan, ties broken by index, whatever the shape of the tree.
 
 /// Dimensions: v_x, v_y, omega_z, a, delta, scaled by the square root of the metric.
 pub(crate) const DIMENSIONS: usize = 5;
 /// Points of a leaf.
 const LEAF: usize = 32;
+/// Boxes below a node.
+const WIDTH: usize = 8;
 /// Points more than asked for that a search holds before it drops the farthest.
-const SPARE: usize = 16;
+const SPARE: usize = 40;
 /// Points too many that are dropped one by one, which is faster than to select the others.
 const FEW: usize = 6;
 
@@ -27,7 +29,7 @@ fn neighbor(squared: f64, index: u32) -> Neighbor {
     (Neighbor::from(squared.to_bits()) << u32::BITS) | Neighbor::from(index)
 }
 
-/// The tree; the root is the first node, siblings are adjacent.
+/// The tree; the root is the first node.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tree {
     nodes: Vec<Node>,
@@ -35,25 +37,20 @@ pub(crate) struct Tree {
     len: u32,
 }
 
+/// Boxes by axis, and what is in them; unused places have none.
 #[derive(Debug, Clone)]
 struct Node {
-    low: Point,
-    high: Point,
-    below: Below,
+    low: [[f64; WIDTH]; DIMENSIONS],
+    high: [[f64; WIDTH]; DIMENSIONS],
+    below: [Below; WIDTH],
+    len: usize,
 }
 
-/// What is below a node.
+/// What is in a box.
 #[derive(Debug, Clone, Copy)]
 enum Below {
-    Leaf {
-        leaf: u32,
-    },
-    /// The first of two children; points below `value` go to it.
-    Split {
-        first: u32,
-        axis: u8,
-        value: f64,
-    },
+    Leaf(u32),
+    Node(u32),
 }
 
 /// Points by axis; unused places are infinitely far away.
@@ -65,36 +62,62 @@ struct Leaf {
 }
 
 impl Node {
-    fn over(leaf: u32) -> Self {
-        let (low, high) = ([f64::INFINITY; DIMENSIONS], [f64::NEG_INFINITY; DIMENSIONS]);
-        Self { low, high, below: Below::Leaf { leaf } }
-    }
-
-    fn include(&mut self, point: &Point) {
-        for ((low, high), p) in self.low.iter_mut().zip(&mut self.high).zip(point) {
-            *low = low.min(*p);
-            *high = high.max(*p);
+    fn new() -> Self {
+        Self {
+            low: [[f64::INFINITY; WIDTH]; DIMENSIONS],
+            high: [[f64::NEG_INFINITY; WIDTH]; DIMENSIONS],
+            below: [Below::Leaf(0); WIDTH],
+            len: 0,
         }
     }
 
-    /// Squared distance to the box. Rounded like that to a point and summed in the same order,
-    /// it is never greater than that to a point inside.
+    fn push(&mut self, below: Below) -> usize {
+        self.below[self.len] = below;
+        self.len += 1;
+        self.len - 1
+    }
+
+    fn include(&mut self, place: usize, point: &Point) {
+        for ((low, high), p) in self.low.iter_mut().zip(&mut self.high).zip(point) {
+            low[place] = low[place].min(*p);
+            high[place] = high[place].max(*p);
+        }
+    }
+
+    /// Makes the box that of these points alone.
+    fn enclose(&mut self, place: usize, leaf: &Leaf) {
+        for (low, high) in self.low.iter_mut().zip(&mut self.high) {
+            (low[place], high[place]) = (f64::INFINITY, f64::NEG_INFINITY);
+        }
+        (0..leaf.len).for_each(|i| self.include(place, &leaf.point(i)));
+    }
+
+    /// Squared distances to the boxes. Rounded like those to points and summed in the same order,
+    /// they are never greater than those to the points inside.
     #[inline(always)]
-    fn distance(&self, query: &Point) -> f64 {
-        let mut squared = 0.0;
+    fn distances(&self, query: &Point) -> [f64; WIDTH] {
+        let mut squared = [0.0; WIDTH];
         for ((low, high), q) in self.low.iter().zip(&self.high).zip(query) {
-            let (under, over) = (low - q, q - high);
-            let gap = if under > over { under } else { over };
-            let gap = if gap > 0.0 { gap } else { 0.0 };
-            squared += gap * gap;
+            for ((sum, low), high) in squared.iter_mut().zip(low).zip(high) {
+                let (under, over) = (low - q, q - high);
+                let gap = if under > over { under } else { over };
+                let gap = if gap > 0.0 { gap } else { 0.0 };
+                *sum += gap * gap;
+            }
         }
         squared
     }
 
-    /// Axis along which the points spread most.
-    fn widest(&self) -> usize {
-        let spread = |axis: usize| self.high[axis] - self.low[axis];
-        (0..DIMENSIONS).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0)
+    /// The box nearest to a point.
+    fn nearest(&self, point: &Point) -> usize {
+        let squared = self.distances(point);
+        (0..self.len).min_by(|&i, &j| squared[i].total_cmp(&squared[j])).unwrap_or(0)
+    }
+
+    /// Axis along which a box is longest.
+    fn longest(&self, place: usize) -> usize {
+        let length = |axis: usize| self.high[axis][place] - self.low[axis][place];
+        (0..DIMENSIONS).max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(0)
     }
 }
 
@@ -132,7 +155,9 @@ impl Tree {
     /// Adds points; their indices go on from those of the points before.
     pub(crate) fn extend(&mut self, points: &[Point]) {
         if self.nodes.is_empty() {
-            self.nodes.push(Node::over(0));
+            let mut root = Node::new();
+            root.push(Below::Leaf(0));
+            self.nodes.push(root);
             self.leaves.push(Leaf::new());
         }
         // In leaps through the lap: points in the order they were driven would make a lopsided
@@ -152,42 +177,49 @@ impl Tree {
         let mut at = 0;
         loop {
             let node = &mut self.nodes[at];
-            node.include(point);
-            match node.below {
-                Below::Split { first, axis, value } => {
-                    at = first as usize + usize::from(point[usize::from(axis)] >= value);
-                }
-                Below::Leaf { leaf } if self.leaves[leaf as usize].len < LEAF => {
+            let place = node.nearest(point);
+            node.include(place, point);
+            match node.below[place] {
+                Below::Node(below) => at = below as usize,
+                Below::Leaf(leaf) if self.leaves[leaf as usize].len < LEAF => {
                     return self.leaves[leaf as usize].push(point, index);
                 }
-                Below::Leaf { leaf } => self.split(at, leaf as usize),
+                Below::Leaf(leaf) => self.split(at, place, leaf),
             }
         }
     }
 
-    /// Turns a full leaf into two half-full ones.
-    fn split(&mut self, at: usize, leaf: usize) {
-        let axis = self.nodes[at].widest();
-        let full = std::mem::replace(&mut self.leaves[leaf], Leaf::new());
+    /// Turns a full leaf into two half-full ones: side by side, or in a node of their own where
+    /// this one is full.
+    fn split(&mut self, at: usize, place: usize, leaf: u32) {
+        let axis = self.nodes[at].longest(place);
+        let full = std::mem::replace(&mut self.leaves[leaf as usize], Leaf::new());
         let mut order: [usize; LEAF] = std::array::from_fn(|i| i);
         let value = |i: usize| full.points[axis][i];
         order.sort_unstable_by(|&i, &j| {
             value(i).total_cmp(&value(j)).then(full.indices[i].cmp(&full.indices[j]))
         });
-        let first = self.nodes.len() as u32;
         let other = self.leaves.len() as u32;
         self.leaves.push(Leaf::new());
-        for (leaf, half) in [(leaf as u32, &order[..LEAF / 2]), (other, &order[LEAF / 2..])] {
-            let mut node = Node::over(leaf);
+        for (leaf, half) in [(leaf, &order[..LEAF / 2]), (other, &order[LEAF / 2..])] {
             for &i in half {
-                node.include(&full.point(i));
                 self.leaves[leaf as usize].push(&full.point(i), full.indices[i]);
             }
-            self.nodes.push(node);
         }
-        // DIMENSIONS fits any integer.
-        let value = value(order[LEAF / 2]);
-        self.nodes[at].below = Below::Split { first, axis: axis as u8, value };
+        let (at, place) = if self.nodes[at].len < WIDTH {
+            (at, place)
+        } else {
+            let below = self.nodes.len();
+            let mut node = Node::new();
+            node.push(Below::Leaf(leaf));
+            self.nodes[at].below[place] = Below::Node(below as u32);
+            self.nodes.push(node);
+            (below, 0)
+        };
+        let node = &mut self.nodes[at];
+        node.enclose(place, &self.leaves[leaf as usize]);
+        let beside = node.push(Below::Leaf(other));
+        node.enclose(beside, &self.leaves[other as usize]);
     }
 }
 
@@ -204,8 +236,8 @@ fn coprime(a: usize, b: usize) -> bool {
 /// Neighbours found, and the memory of the search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Found {
-    /// Nodes yet to be looked into, with the squared distances of their boxes.
-    open: Vec<(f64, u32)>,
+    /// Boxes yet to be looked into, with their squared distances.
+    open: Vec<(f64, Below)>,
     /// The nearest points so far, and some that may turn out not to be.
     near: Vec<Neighbor>,
     indices: Vec<u32>,
@@ -215,7 +247,7 @@ impl Found {
     /// Room for `count` neighbours.
     pub(crate) fn new(count: usize) -> Self {
         Self {
-            open: Vec::with_capacity(128),
+            open: Vec::with_capacity(512),
             near: Vec::with_capacity(count + SPARE + LEAF),
             indices: Vec::with_capacity(count),
         }
@@ -228,27 +260,19 @@ impl Found {
         let mut reach = limit;
         self.near.clear();
         self.open.clear();
-        self.open.extend(tree.nodes.first().map(|_| (0.0, 0)));
-        while let Some((distance, at)) = self.open.pop() {
+        self.open.extend(tree.nodes.first().map(|_| (0.0, Below::Node(0))));
+        while let Some((distance, below)) = self.open.pop() {
             if distance > reach {
                 continue;
             }
-            match tree.nodes[at as usize].below {
-                Below::Leaf { leaf } => {
+            match below {
+                Below::Leaf(leaf) => {
                     self.take(&tree.leaves[leaf as usize], query, reach);
                     if self.near.len() > count + SPARE {
                         reach = self.keep(count);
                     }
                 }
-                Below::Split { first, .. } => {
-                    let children = [0, 1].map(|i| {
-                        let child = first + i;
-                        (tree.nodes[child as usize].distance(query), child)
-                    });
-                    // The nearer one on top: what it holds may spare the other.
-                    let [a, b] = children;
-                    self.open.extend(if b.0 < a.0 { [a, b] } else { [b, a] });
-                }
+                Below::Node(node) => self.open(&tree.nodes[node as usize], query, reach),
             }
         }
         if self.near.len() > count + FEW {
@@ -265,6 +289,24 @@ impl Found {
     /// Indices of the neighbours, in rising order.
     pub(crate) fn indices(&self) -> &[u32] {
         &self.indices
+    }
+
+    /// Notes the boxes of a node that are within reach, the nearest on top: what it holds may spare
+    /// the others.
+    #[inline(always)]
+    fn open(&mut self, node: &Node, query: &Point, reach: f64) {
+        let (mut least, mut top) = (f64::INFINITY, None);
+        for (squared, below) in node.distances(query).iter().zip(&node.below).take(node.len) {
+            if *squared <= reach {
+                if *squared < least {
+                    (least, top) = (*squared, Some(self.open.len()));
+                }
+                self.open.push((*squared, *below));
+            }
+        }
+        if let (Some(top), Some(last)) = (top, self.open.len().checked_sub(1)) {
+            self.open.swap(top, last);
+        }
     }
 
     /// Takes the points of a leaf that are within reach.

@@ -38,9 +38,14 @@ pub fn epanechnikov(u: f64, h: f64) -> f64 {
 /// Regression samples of one lap. They depend on the lap and on the nominal model alone, so that
 /// each lap's residuals are computed once.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Targets {
-    z: Vec<[f64; DIMENSIONS]>,
-    y: Vec<[f64; ROWS]>,
+pub(crate) struct Targets(Vec<Target>);
+
+/// A regression sample: one line of the processor's cache, as neighbours lie anywhere in memory.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Target {
+    z: [f64; DIMENSIONS],
+    y: [f64; ROWS],
 }
 
 impl Targets {
@@ -54,8 +59,7 @@ impl Targets {
             let Some(next) = sample.next else { continue };
             let y = target(&sample.x, &sample.u, next);
             if y.iter().all(|v| v.is_finite()) {
-                targets.z.push(regressor(&sample.x, &sample.u));
-                targets.y.push(y);
+                targets.0.push(Target { z: regressor(&sample.x, &sample.u), y });
             }
         }
         targets
@@ -65,8 +69,7 @@ impl Targets {
 /// The samples of all laps in use, with a tree over them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RegressionData {
-    z: Vec<[f64; DIMENSIONS]>,
-    y: Vec<[f64; ROWS]>,
+    samples: Vec<Target>,
     tree: Tree,
     scale: [f64; DIMENSIONS],
     /// Number of each lap and where its samples begin; laps follow one another.
@@ -112,10 +115,9 @@ impl RegressionData {
 
     /// Adds the samples of lap number `lap`.
     pub(crate) fn add(&mut self, lap: usize, targets: &Targets) {
-        let begin = self.z.len();
+        let begin = self.samples.len();
         self.laps.push((lap, begin));
-        self.z.extend_from_slice(&targets.z);
-        self.y.extend_from_slice(&targets.y);
+        self.samples.extend_from_slice(&targets.0);
         self.grow(begin);
     }
 
@@ -125,9 +127,8 @@ impl RegressionData {
         if gone == 0 {
             return;
         }
-        let begin = self.laps.get(gone).map_or(self.z.len(), |(_, begin)| *begin);
-        self.z.drain(..begin);
-        self.y.drain(..begin);
+        let begin = self.laps.get(gone).map_or(self.samples.len(), |(_, begin)| *begin);
+        self.samples.drain(..begin);
         self.laps.drain(..gone);
         for (_, old) in &mut self.laps {
             *old -= begin;
@@ -138,7 +139,8 @@ impl RegressionData {
 
     /// Brings the samples from `begin` on into the tree.
     fn grow(&mut self, begin: usize) {
-        let points: Vec<Point> = self.z[begin..].iter().map(|z| scaled(z, &self.scale)).collect();
+        let samples = self.samples[begin..].iter();
+        let points: Vec<Point> = samples.map(|sample| scaled(&sample.z, &self.scale)).collect();
         self.tree.extend(&points);
     }
 
@@ -166,8 +168,8 @@ impl RegressionData {
         let mut farthest: f64 = 0.0;
         for index in before {
             // Indices may be those of data that are no more.
-            let Some(z) = self.z.get(*index as usize) else { return f64::INFINITY };
-            let squared = squared_distance(&scaled(z, &self.scale), query);
+            let Some(sample) = self.samples.get(*index as usize) else { return f64::INFINITY };
+            let squared = squared_distance(&scaled(&sample.z, &self.scale), query);
             farthest = if squared > farthest { squared } else { farthest };
         }
         farthest
@@ -198,14 +200,14 @@ impl WithSimd for Fit<'_> {
         // At the bandwidth the weight is 0.
         let limit = if reach < h { reach } else { h.next_down() };
         found.nearest(&data.tree, &query, config.neighbors, limit);
-        let near = || found.indices().iter().map(|i| (&data.z[*i as usize], &data.y[*i as usize]));
+        let near = || found.indices().iter().map(|index| &data.samples[*index as usize]);
         weights.clear();
-        for &index in found.indices() {
-            let z = scaled(&data.z[index as usize], &data.scale);
+        for sample in near() {
+            let z = scaled(&sample.z, &data.scale);
             weights.push(epanechnikov(squared_distance(&z, &query), h));
         }
         let support = weights.iter().sum();
-        samples.set(weights, near());
+        samples.set(weights, near().map(|sample| (&sample.z, &sample.y)));
         if let Some(last) = last.get_mut(t) {
             last.clear();
             last.extend_from_slice(found.indices());
@@ -235,14 +237,15 @@ mod tests {
         let mut lap = |n: usize| {
             let mut lap = Targets::default();
             for _ in 0..n {
-                lap.z.push([(); DIMENSIONS].map(|()| rng.random_range(-1.0..1.0)));
-                lap.y.push([(); ROWS].map(|()| rng.random_range(-1.0..1.0)));
+                let mut any = || rng.random_range(-1.0..1.0);
+                let (z, y) = ([(); DIMENSIONS].map(|()| any()), [(); ROWS].map(|()| any()));
+                lap.0.push(Target { z, y });
             }
             lap
         };
         let laps = [lap(150), lap(0), lap(90), lap(200)];
         let (mut grown, mut scratch) = (RegressionData::new(&config), Scratch::new(&config, 3));
-        let points: Vec<_> = lap(20).z;
+        let points: Vec<_> = lap(20).0.iter().map(|sample| sample.z).collect();
         for (first, end) in [(0, 1), (0, 3), (1, 4), (3, 4), (4, 4)] {
             grown.forget_before(first);
             let next = grown.next_lap(first);

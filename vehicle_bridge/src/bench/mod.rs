@@ -125,17 +125,19 @@ pub fn measure(
     plan: &Plan,
     mut progress: impl FnMut(&str),
 ) -> Result<CaseTimes, BenchError> {
-    let (mut steps, mut problems) = (Vec::new(), Vec::new());
     let most = plan.laps.iter().copied().max().unwrap_or(0);
     let initial = if case.long { most } else { plan.initial.min(most) };
+    let mut drives = Vec::new();
     for laps in &plan.laps {
-        progress(&format!("{}: {} steps with {laps} laps stored", case.name, plan.steps));
+        progress(&format!("{}: {laps} laps to store", case.name));
         let mut circuit = Circuit::new(case, initial.min(*laps))?;
         circuit.race(*laps);
-        // The first laps' problems are the solvers'.
-        let record = steps.is_empty().then_some(&mut problems);
-        steps.push(step::measure(&mut circuit, *laps, plan.steps, record));
+        drives.push(step::Drive::new(circuit, *laps));
     }
+    progress(&format!("{}: {} steps with each number of laps, in turns", case.name, plan.steps));
+    // The problems of the fewest laps are the solvers'.
+    let mut problems = Vec::new();
+    let steps = step::measure(&mut drives, plan.steps, &mut problems);
     progress(&format!("{}: {} QPs with each solver", case.name, problems.len()));
     let qp = qp::measure(&case.config.solver, &problems);
     let median = |of: Option<&StepTimes>, name| of.map_or(f64::NAN, |step| step.median(name));

@@ -83,17 +83,49 @@ fn microseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e6
 }
 
-/// Drives until `count` learned steps are measured; their problems go to `record`.
-pub(super) fn measure(
-    circuit: &mut Circuit,
+/// Steps of one circuit before the next has its turn: enough to warm its memory, few enough for
+/// all to see the same machine.
+const TURN: usize = 10;
+
+/// Measurements on one circuit.
+pub(super) struct Drive {
+    circuit: Circuit,
     laps: usize,
+    columns: Vec<(&'static str, Vec<f64>)>,
+    measured: usize,
+    preempted: usize,
+    lap_end: bool,
+}
+
+/// Drives all of them in turns until `count` learned steps of each are measured; the problems of
+/// the first go to `record`.
+pub(super) fn measure(
+    drives: &mut [Drive],
     count: usize,
-    mut record: Option<&mut Vec<Fhocp>>,
-) -> StepTimes {
-    let names = PHASES.map(|phase| phase.0).into_iter().chain([REST, PREPARE, FEEDBACK, WHOLE]);
-    let mut columns: Vec<(&str, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
-    let (mut measured, mut preempted, mut lap_end) = (0, 0, true);
-    while measured < count {
+    record: &mut Vec<Fhocp>,
+) -> Vec<StepTimes> {
+    while drives.iter().any(|drive| drive.measured < count) {
+        for (i, drive) in drives.iter_mut().enumerate() {
+            for _ in 0..TURN {
+                if drive.measured < count {
+                    drive.step((i == 0).then_some(&mut *record));
+                }
+            }
+        }
+    }
+    drives.iter_mut().map(Drive::times).collect()
+}
+
+impl Drive {
+    /// Measurements to come on a circuit with so many laps stored.
+    pub(super) fn new(circuit: Circuit, laps: usize) -> Self {
+        let names = PHASES.map(|phase| phase.0).into_iter().chain([REST, PREPARE, FEEDBACK, WHOLE]);
+        let columns = names.map(|name| (name, Vec::new())).collect();
+        Self { circuit, laps, columns, measured: 0, preempted: 0, lap_end: true }
+    }
+
+    fn step(&mut self, record: Option<&mut Vec<Fhocp>>) {
+        let circuit = &mut self.circuit;
         let measurement = circuit.measurement();
         let mut watch = Stopwatch::default();
         let interference = preemptions();
@@ -105,28 +137,34 @@ pub(super) fn measure(
         let feedback = microseconds(begun);
         let disturbed = preemptions() != interference;
         // Learning at the end of a lap is no part of a step.
-        if command.status.action == Action::Learned && !lap_end {
-            measured += 1;
-            if let Some(record) = &mut record {
+        if command.status.action == Action::Learned && !self.lap_end {
+            self.measured += 1;
+            if let Some(record) = record {
                 record.push(circuit.controller.problem().clone());
             }
             if disturbed {
-                preempted += 1;
+                self.preempted += 1;
             } else {
                 let whole = prepare + feedback;
                 let rest = whole - watch.phases.iter().sum::<f64>();
                 let row = watch.phases.into_iter().chain([rest, prepare, feedback, whole]);
-                for ((_, column), time) in columns.iter_mut().zip(row) {
+                for ((_, column), time) in self.columns.iter_mut().zip(row) {
                     column.push(time);
                 }
             }
         }
-        lap_end = command.status.finished.is_some();
+        self.lap_end = command.status.finished.is_some();
         circuit.drive(&command);
     }
-    let phases = columns
-        .iter_mut()
-        .map(|(name, column)| PhaseTimes { name, times: Times::of(column) })
-        .collect();
-    StepTimes { laps, steps: measured, preempted, phases }
+
+    fn times(&mut self) -> StepTimes {
+        let columns = self.columns.iter_mut();
+        let phases = columns.map(|(name, column)| PhaseTimes { name, times: Times::of(column) });
+        StepTimes {
+            laps: self.laps,
+            steps: self.measured,
+            preempted: self.preempted,
+            phases: phases.collect(),
+        }
+    }
 }

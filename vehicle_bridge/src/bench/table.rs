@@ -17,8 +17,8 @@ fn write_case(case: &CaseTimes, out: &mut String) -> std::fmt::Result {
     let CaseTimes { name, horizon, points, track, initial, .. } = case;
     writeln!(
         out,
-        "{name}, track {track}, N {horizon}, {points} points, laps stored after the first {initial} \
-         learned ones"
+        "{name}, track {track}, N {horizon}, {points} points; of the laps stored at most {initial} are \
+         initial ones"
     )?;
     write!(out, "  {:<16}", "us: median, p99")?;
     for step in &case.steps {
