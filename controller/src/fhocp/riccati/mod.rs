@@ -14,11 +14,12 @@
 //! 3. factors what is left, a linear quadratic regulator, by the Riccati recursion
 //!    ([`recursion`]) in O(N);
 //! 4. solves twice with that factor: for the predictor (target 0), then for the corrector, whose
-//!    target and second-order term come from the predictor;
+//!    target and second-order term come from the predictor, unless the predictor can be taken whole;
 //! 5. takes one step length for v, w and z ([`mehrotra`]).
 //!
-//! [`start`] says where it begins. The dynamics and the sum of the weights hold from the start and stay held, since directions
-//! keep them; only the inequalities carry residuals. All memory is laid out once per shape, and
+//! [`start`] says where it begins, and what of that is done before the measurement. The dynamics and
+//! the sum of the weights hold from the start and stay held, since directions keep them; only the
+//! inequalities carry residuals. All memory is laid out once per shape, and
 //! the result depends on the problem alone.
 
 mod barrier;
