@@ -5,8 +5,6 @@ use vehicle_model::Limiter;
 
 /// Rounding of what is compared with a limit. \[-\]
 const ROUNDING: f64 = 1e-6;
-/// Stamps of two reports are off by this from the times of their inputs. \[s\]
-const STAMPS: f64 = 1e-3;
 /// Source of a report that stops.
 pub(super) const STOP: i8 = 3;
 
@@ -36,7 +34,7 @@ fn outside(report: &ActuationReport, limiter: &Limiter) -> bool {
 }
 
 fn jumps(before: &ActuationReport, after: &ActuationReport, limiter: &Limiter) -> bool {
-    let dt = (after.h.mono_ns - before.h.mono_ns) as f64 * 1e-9 + STAMPS;
+    let dt = (after.h.mono_ns - before.h.mono_ns) as f64 * 1e-9;
     before.h.boot_id == after.h.boot_id
         && ((after.accel - before.accel).abs() > limiter.a_rate_max * dt + ROUNDING
             || (after.steer - before.steer).abs() > limiter.delta_rate_max * dt + ROUNDING)

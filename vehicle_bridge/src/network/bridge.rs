@@ -205,6 +205,7 @@ impl Bridge {
             self.fail(&format!("the car cannot be told: {error}"));
         }
         self.report(&output);
+        self.step(&Event::Sent);
         if let Some(x) = measured {
             let h = self.states.header();
             if let Some(state) = self.side.message(h, meas_ns, &x, output.applied.sent) {

@@ -36,6 +36,7 @@ pub struct Safety {
     applied: Option<Limited>,
     source: Source,
     tick_ns: Option<i64>,
+    sent_ns: Option<i64>,
     rate: Rate,
     lapse: Lapse,
     counts: Counts,
@@ -77,6 +78,10 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
         }
         Event::Tick => {
             next.tick(rules, now_ns);
+            Answer::None
+        }
+        Event::Sent => {
+            next.sent_ns = Some(now_ns);
             Answer::None
         }
     };
@@ -349,10 +354,11 @@ impl Safety {
     }
 
     fn tick(&mut self, rules: &Rules, now_ns: i64) {
-        let dt = match self.tick_ns {
+        let since = |then: Option<i64>| match then {
             Some(then) => now_ns.saturating_sub(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
             None => rules.tick_ns as f64 * 1e-9,
         };
+        let (dt, held) = (since(self.tick_ns), since(self.tick_ns.max(self.sent_ns)));
         let before = self.applied.map(|applied| applied.sent).unwrap_or_default();
         let ahead = now_ns.saturating_sub(self.estimate_ns).max(0) as f64 * 1e-9;
         self.estimate = stop::reckon(rules, &self.estimate, before, ahead.min(dt));
@@ -367,18 +373,18 @@ impl Safety {
             }
             _ => None,
         };
-        let held = matches!(self.phase, Phase::Boot | Phase::Idle | Phase::Armed | Phase::Running);
+        let stopped = matches!(self.phase, Phase::SafeStop | Phase::Fault | Phase::Estop);
         let (asked, source) = match driven {
             Some((input, false)) => (input, Source::Command),
             Some((input, true)) => (input, Source::Plan),
             None => {
-                let source = if held { Source::None } else { Source::Stop };
+                let source = if stopped { Source::Stop } else { Source::None };
                 (stop::brake(rules, &self.estimate), source)
             }
         };
         let cap = self.speed_cap.unwrap_or(f64::INFINITY).min(rules.limiter.speed_cap);
         let limiter = vehicle_model::Limiter { speed_cap: cap, ..rules.limiter };
-        let applied = limiter.limit(asked, before, self.estimate.v_x, dt);
+        let applied = limiter.limit(asked, before, self.estimate.v_x, held);
         self.counts.limited += i64::from(applied.bits != 0);
         (self.applied, self.source) = (Some(applied), source);
     }

@@ -83,6 +83,9 @@ pub enum Event<'a> {
     CarFailed,
     /// Time to act.
     Tick,
+    /// The car has the last tick's input. A host that is held up between the two says so, and the
+    /// input's rate is counted from here.
+    Sent,
 }
 
 /// What became of an event.

@@ -114,6 +114,30 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
 }
 
 #[test]
+fn an_input_that_came_late_is_followed_by_as_much_less() {
+    let rules = rules();
+    let mut safety = Safety::default();
+    let mut tell = |event: Event<'_>, at_ms: i64| {
+        let (next, output) = step(&rules, &safety, &event, at_ms * MS);
+        safety = next;
+        output.applied.sent.a
+    };
+    tell(Event::State(State { v_x: 3.0, ..State::default() }, 2), 1000);
+    // It brakes as fast as the jerk limit of 20 m/s^3 lets it.
+    let near = |a: f64, expected: f64| assert!((a - expected).abs() < 1e-12, "{a} {expected}");
+    near(tell(Event::Tick, 1000), -0.2);
+    near(tell(Event::Sent, 1000), -0.2);
+    near(tell(Event::Tick, 1010), -0.4);
+    // Held up for 6 ms: the car has 4 ms of the next tick.
+    tell(Event::Sent, 1016);
+    near(tell(Event::Tick, 1020), -0.48);
+    // Of the tick before, if nobody says when the car had it.
+    near(tell(Event::Tick, 1030), -0.68);
+    tell(Event::Sent, 1045);
+    near(tell(Event::Tick, 1050), -0.78);
+}
+
+#[test]
 fn a_reckoned_car_does_not_roll_backwards_and_stays_on_the_lap() {
     let rules = rules();
     let x = State { v_x: 0.01, s: rules.track.length() - 1e-4, ..State::default() };

@@ -45,6 +45,7 @@ enum Plan {
     Order(OrderKind, bool),
     Fail,
     Tick,
+    Sent,
 }
 
 /// An event that owns what it says.
@@ -153,6 +154,9 @@ impl Generator {
             self.queue.push_back(Plan::State);
         }
         self.queue.push_back(Plan::Tick);
+        if n % 8 != 0 {
+            self.queue.push_back(Plan::Sent);
+        }
     }
 
     /// The next event and its time.
@@ -215,6 +219,7 @@ impl Generator {
                 Event::Order(Order { kind, token, deadman, fresh })
             }
             Plan::Fail => Event::CarFailed,
+            Plan::Sent => Event::Sent,
             Plan::Command | Plan::Rest | Plan::Tick => Event::Tick,
         }
     }

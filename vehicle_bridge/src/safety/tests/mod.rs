@@ -141,7 +141,7 @@ fn check_deadline(rules: &Rules, safety: &Safety, now: i64, context: &dyn Fn() -
 fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
     let mut generator = Generator::new(seed);
     let (mut safety, mut model) = (Safety::default(), Model::default());
-    let (mut now, mut before, mut last_tick) = (10_000 * MS, Input::default(), None);
+    let (mut now, mut before) = (10_000 * MS, Input::default());
     for n in 0..EPISODE {
         let (said, at) = generator.next(rules, &model, now);
         now = at;
@@ -160,7 +160,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
         if n % 10 == 0 {
             check_deadline(rules, &safety, now, &context);
         }
-        let (was, token) = (model.phase, model.token);
+        let (was, token, held) = (model.phase, model.token, model.held_since());
         let answer = model.take(rules, &event, damage, now);
         assert_eq!(gist(&output.answer), gist(&answer), "{}", context());
         seen.note(&answer);
@@ -184,11 +184,11 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             *seen.ends.entry(end).or_default() += 1;
         }
         if event == Event::Tick {
-            let tick_ns = last_tick.map_or(rules.tick_ns, |last| now - last);
-            let dt = tick_ns.clamp(0, 10 * rules.tick_ns) as f64 * 1e-9;
+            let held_ns = held.map_or(rules.tick_ns, |since| now - since);
+            let dt = held_ns.clamp(0, 10 * rules.tick_ns) as f64 * 1e-9;
             check(rules, &model, &output, (before, dt), now);
             model.counts.limited += i64::from(output.applied.bits != 0);
-            (before, last_tick) = (output.applied.sent, Some(now));
+            before = output.applied.sent;
             seen.sources[output.source as usize] += 1;
             for (bit, count) in seen.limits.iter_mut().enumerate() {
                 *count += u32::from(output.applied.bits & 1 << bit != 0);

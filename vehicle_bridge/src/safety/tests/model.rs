@@ -19,6 +19,8 @@ pub(super) struct Model {
     /// Last state: when, and its speed. \[ns, m/s\]
     pub(super) state: Option<(i64, f64)>,
     pub(super) tick: Option<i64>,
+    /// When the car had the last input. \[ns\]
+    pub(super) sent: Option<i64>,
     /// Who has the grant.
     holder: i64,
     last_seq: Option<i64>,
@@ -86,6 +88,10 @@ impl Model {
                     self.phase = Phase::Idle;
                 }
                 self.tick = Some(now);
+                Answer::None
+            }
+            Event::Sent => {
+                self.sent = Some(now);
                 Answer::None
             }
         }
@@ -237,6 +243,11 @@ impl Model {
             Start => self.end(Phase::SafeStop, Lapse::Deadman),
         }
         None
+    }
+
+    /// Since when the car has its input: its tick's, if nobody said that it came later. \[ns\]
+    pub(super) fn held_since(&self) -> Option<i64> {
+        self.sent.into_iter().chain(self.tick).max()
     }
 
     /// Number of the last command believed. \[-\]
