@@ -224,10 +224,10 @@ fn inject(
     let memory = |programs: &[Program]| programs.first().map_or(0.0, Program::resident_mb);
     let (before, mut most) = (memory(programs), 0.0_f64);
     let end = begins + nanoseconds(scenario.observe_s);
-    let mut done = vec![false; scenario.faults.len()];
+    let mut begun: Vec<Option<i64>> = vec![None; scenario.faults.len()];
     while now().mono_ns < end {
         let since = now().mono_ns - begins;
-        for (fault, done) in scenario.faults.iter().zip(&mut done) {
+        for (fault, begun) in scenario.faults.iter().zip(&mut begun) {
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;
             let (Action::Kill { process } | Action::Stop { process } | Action::Restart { process }) =
@@ -236,15 +236,17 @@ fn inject(
                 continue;
             };
             let Some(program) = programs.iter_mut().find(|p| p.name == *process) else { continue };
-            if since >= from && !*done {
-                *done = true;
+            if since >= from && begun.is_none() {
+                *begun = Some(since);
                 match fault.action {
                     Action::Kill { .. } => program.kill(),
                     Action::Restart { .. } => program.restart()?,
                     _ => program.stop(),
                 }
             }
-            if since >= until {
+            // A busy computer may be late: what it stops stands still for as long as it should.
+            let late = begun.map_or(0, |begun| begun - from);
+            if since >= until.saturating_add(late) {
                 program.go_on();
             }
         }
