@@ -8,51 +8,16 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use std::collections::BTreeMap;
-use std::hint::black_box;
 use std::path::PathBuf;
 use std::process::Command;
 
-use controller::{Action, Controller, Measurement};
 use serde::{Deserialize, Serialize};
-use vehicle_bridge::bench::{Circuit, cases};
+use vehicle_bridge::bench::cases;
 
-/// Learned steps that are counted, the first ones.
+/// Learned steps that are counted.
 const STEPS: u64 = 20;
-/// Laps stored before them.
-const LAPS: usize = 4;
 /// Growth that is let pass with the recorded compiler and AVX2, and with others.
 const GROWTH: [f64; 2] = [1.05, 1.5];
-/// Tells the program under Valgrind which case it drives.
-const CASE: &str = "LMPC_COUNTED_CASE";
-
-/// What is counted; its name is how Valgrind finds it.
-#[inline(never)]
-fn counted_step(controller: &mut Controller, measurement: &Measurement) -> controller::Command {
-    black_box(controller.step(measurement))
-}
-
-/// Not a test: the program that runs under Valgrind.
-#[test]
-#[ignore = "started by instructions_of_a_step"]
-fn drive() {
-    let case = std::env::var(CASE).unwrap().parse::<usize>().unwrap();
-    let mut circuit = Circuit::new(&cases().unwrap()[case], LAPS).unwrap();
-    let (mut counted, mut lap_end) = (0, true);
-    while counted < STEPS {
-        let measurement = circuit.measurement();
-        let learning = !circuit.controller.plan().is_empty() && !lap_end;
-        let command = if learning {
-            counted += 1;
-            let command = counted_step(&mut circuit.controller, &measurement);
-            assert_eq!(command.status.action, Action::Learned);
-            command
-        } else {
-            circuit.controller.step(&measurement)
-        };
-        lap_end = command.status.finished.is_some();
-        circuit.drive(&command);
-    }
-}
 
 /// Instructions of one step, the mean of the counted ones.
 fn count(case: usize) -> u64 {
@@ -60,9 +25,8 @@ fn count(case: usize) -> u64 {
     let out = Command::new("valgrind")
         .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_step*"])
         .arg(format!("--callgrind-out-file={}", folder.path().join("out").display()))
-        .arg(std::env::current_exe().unwrap())
-        .args(["--exact", "drive", "--ignored", "--test-threads=1"])
-        .env(CASE, case.to_string())
+        .arg(env!("CARGO_BIN_EXE_drive_under_valgrind"))
+        .args([case.to_string(), STEPS.to_string()])
         .output()
         .unwrap_or_else(|e| {
             panic!("valgrind does not start: {e}; tools/setup.sh test installs it")

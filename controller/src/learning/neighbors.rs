@@ -272,7 +272,7 @@ impl Found {
                         reach = self.keep(count);
                     }
                 }
-                Below::Node(node) => self.open(&tree.nodes[node as usize], query, reach),
+                Below::Node(node) => self.note(&tree.nodes[node as usize], query, reach),
             }
         }
         if self.near.len() > count + FEW {
@@ -294,7 +294,7 @@ impl Found {
     /// Notes the boxes of a node that are within reach, the nearest on top: what it holds may spare
     /// the others.
     #[inline(always)]
-    fn open(&mut self, node: &Node, query: &Point, reach: f64) {
+    fn note(&mut self, node: &Node, query: &Point, reach: f64) {
         let (mut least, mut top) = (f64::INFINITY, None);
         for (squared, below) in node.distances(query).iter().zip(&node.below).take(node.len) {
             if *squared <= reach {

@@ -20,11 +20,13 @@ pub struct Callbacks {
     /// Receives messages.
     pub logger: Option<Logger2>,
     /// Unused: memory is our own.
-    // SAFETY: a member of the standard's structure; never called, as the two below.
+    // SAFETY: a member of the standard's structure; never called.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Unused.
+    // SAFETY: as above.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Unused: no step is pending after its call.
+    // SAFETY: as above.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, i32)>,
     /// Handed back to the logger.
     pub environment: *mut c_void,

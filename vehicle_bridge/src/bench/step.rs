@@ -2,21 +2,16 @@
 
 use std::time::Instant;
 
+use controller::Action;
 use controller::fhocp::Fhocp;
-use controller::{Action, Phase, Probe};
 use serde::Serialize;
 
 use super::circuit::Circuit;
 use super::samples::{Times, preemptions};
+use crate::race::timing::{PHASES, Stopwatch};
 
-/// Names of the phases, in the order they are reported in.
-const PHASES: [(&str, Phase); 5] = [
-    ("project", Phase::Project),
-    ("linearise", Phase::Linearize),
-    ("regress", Phase::Regress),
-    ("safe set", Phase::SafeSet),
-    (QP, Phase::Solve),
-];
+/// Names of the [`PHASES`].
+const NAMES: [&str; PHASES.len()] = ["project", "linearise", "regress", "safe set", QP];
 /// The QP, its part before the measurement included.
 pub(super) const QP: &str = "QP";
 /// What is left of the step.
@@ -60,25 +55,6 @@ impl StepTimes {
     }
 }
 
-/// Times of the phases of one step [us].
-#[derive(Default)]
-struct Stopwatch {
-    begun: Option<Instant>,
-    phases: [f64; PHASES.len()],
-}
-
-impl Probe for Stopwatch {
-    fn begin(&mut self, _: Phase) {
-        self.begun = Some(Instant::now());
-    }
-
-    fn end(&mut self, phase: Phase) {
-        if let (Some(begun), Some(i)) = (self.begun, PHASES.iter().position(|p| p.1 == phase)) {
-            self.phases[i] += microseconds(begun);
-        }
-    }
-}
-
 fn microseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e6
 }
@@ -119,7 +95,7 @@ pub(super) fn measure(
 impl Drive {
     /// Measurements to come on a circuit with so many laps stored.
     pub(super) fn new(circuit: Circuit, laps: usize) -> Self {
-        let names = PHASES.map(|phase| phase.0).into_iter().chain([REST, PREPARE, FEEDBACK, WHOLE]);
+        let names = NAMES.into_iter().chain([REST, PREPARE, FEEDBACK, WHOLE]);
         let columns = names.map(|name| (name, Vec::new())).collect();
         Self { circuit, laps, columns, measured: 0, preempted: 0, lap_end: true }
     }
@@ -127,7 +103,7 @@ impl Drive {
     fn step(&mut self, record: Option<&mut Vec<Fhocp>>) {
         let circuit = &mut self.circuit;
         let measurement = circuit.measurement();
-        let mut watch = Stopwatch::default();
+        let mut watch = Stopwatch::start();
         let interference = preemptions();
         let begun = Instant::now();
         circuit.controller.prepare_probed(&mut watch);
@@ -136,6 +112,7 @@ impl Drive {
         let command = circuit.controller.step_probed(&measurement, &mut watch);
         let feedback = microseconds(begun);
         let disturbed = preemptions() != interference;
+        let phases = watch.stop().phases.map(|seconds| 1e6 * seconds);
         // Learning at the end of a lap is no part of a step.
         if command.status.action == Action::Learned && !self.lap_end {
             self.measured += 1;
@@ -146,8 +123,8 @@ impl Drive {
                 self.preempted += 1;
             } else {
                 let whole = prepare + feedback;
-                let rest = whole - watch.phases.iter().sum::<f64>();
-                let row = watch.phases.into_iter().chain([rest, prepare, feedback, whole]);
+                let rest = whole - phases.iter().sum::<f64>();
+                let row = phases.into_iter().chain([rest, prepare, feedback, whole]);
                 for ((_, column), time) in self.columns.iter_mut().zip(row) {
                     column.push(time);
                 }
