@@ -5,6 +5,11 @@
 //! at its median. Laps lie close together and most of the space is empty; where the car is faster
 //! than ever the query itself lies in the empty part. A query allocates nothing. Same result as a
 //! linear scan, ties broken by index, whatever the shape of the tree.
+//!
+//! Points have single precision: with a thousand laps a search is as fast as its memory, and two
+//! samples whose distances agree to 1e-6 are as good as each other.
+
+use std::ops::{Add, Mul, Sub};
 
 /// Dimensions: v_x, v_y, omega_z, a, delta, scaled by the square root of the metric.
 pub(crate) const DIMENSIONS: usize = 5;
@@ -18,14 +23,14 @@ const SPARE: usize = 40;
 const FEW: usize = 6;
 
 /// A point of the tree.
-pub(crate) type Point = [f64; DIMENSIONS];
+pub(crate) type Point = [f32; DIMENSIONS];
 
 /// A neighbour as one number: the bits of its squared distance, which order as what is not
 /// negative does, then its index.
-type Neighbor = u128;
+type Neighbor = u64;
 
 #[inline(always)]
-fn neighbor(squared: f64, index: u32) -> Neighbor {
+fn neighbor(squared: f32, index: u32) -> Neighbor {
     (Neighbor::from(squared.to_bits()) << u32::BITS) | Neighbor::from(index)
 }
 
@@ -40,8 +45,8 @@ pub(crate) struct Tree {
 /// Boxes by axis, and what is in them; unused places have none.
 #[derive(Debug, Clone)]
 struct Node {
-    low: [[f64; WIDTH]; DIMENSIONS],
-    high: [[f64; WIDTH]; DIMENSIONS],
+    low: [[f32; WIDTH]; DIMENSIONS],
+    high: [[f32; WIDTH]; DIMENSIONS],
     below: [Below; WIDTH],
     len: usize,
 }
@@ -56,7 +61,7 @@ enum Below {
 /// Points by axis; unused places are infinitely far away.
 #[derive(Debug, Clone)]
 struct Leaf {
-    points: [[f64; LEAF]; DIMENSIONS],
+    points: [[f32; LEAF]; DIMENSIONS],
     indices: [u32; LEAF],
     len: usize,
 }
@@ -64,8 +69,8 @@ struct Leaf {
 impl Node {
     fn new() -> Self {
         Self {
-            low: [[f64::INFINITY; WIDTH]; DIMENSIONS],
-            high: [[f64::NEG_INFINITY; WIDTH]; DIMENSIONS],
+            low: [[f32::INFINITY; WIDTH]; DIMENSIONS],
+            high: [[f32::NEG_INFINITY; WIDTH]; DIMENSIONS],
             below: [Below::Leaf(0); WIDTH],
             len: 0,
         }
@@ -87,7 +92,7 @@ impl Node {
     /// Makes the box that of these points alone.
     fn enclose(&mut self, place: usize, leaf: &Leaf) {
         for (low, high) in self.low.iter_mut().zip(&mut self.high) {
-            (low[place], high[place]) = (f64::INFINITY, f64::NEG_INFINITY);
+            (low[place], high[place]) = (f32::INFINITY, f32::NEG_INFINITY);
         }
         (0..leaf.len).for_each(|i| self.include(place, &leaf.point(i)));
     }
@@ -95,7 +100,7 @@ impl Node {
     /// Squared distances to the boxes. Rounded like those to points and summed in the same order,
     /// they are never greater than those to the points inside.
     #[inline(always)]
-    fn distances(&self, query: &Point) -> [f64; WIDTH] {
+    fn distances(&self, query: &Point) -> [f32; WIDTH] {
         let mut squared = [0.0; WIDTH];
         for ((low, high), q) in self.low.iter().zip(&self.high).zip(query) {
             for ((sum, low), high) in squared.iter_mut().zip(low).zip(high) {
@@ -123,7 +128,7 @@ impl Node {
 
 impl Leaf {
     fn new() -> Self {
-        Self { points: [[f64::INFINITY; LEAF]; DIMENSIONS], indices: [0; LEAF], len: 0 }
+        Self { points: [[f32::INFINITY; LEAF]; DIMENSIONS], indices: [0; LEAF], len: 0 }
     }
 
     fn point(&self, i: usize) -> Point {
@@ -140,7 +145,7 @@ impl Leaf {
 
     /// Squared distances of all places, free ones infinite.
     #[inline(always)]
-    fn distances(&self, query: &Point) -> [f64; LEAF] {
+    fn distances(&self, query: &Point) -> [f32; LEAF] {
         let mut squared = [0.0; LEAF];
         for (axis, q) in self.points.iter().zip(query) {
             for (sum, p) in squared.iter_mut().zip(axis) {
@@ -225,8 +230,11 @@ impl Tree {
 
 /// Squared distance of two points, summed as the tree sums it.
 #[inline(always)]
-pub(crate) fn squared_distance(a: &Point, b: &Point) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b))
+pub(crate) fn squared_distance<T>(a: &[T; DIMENSIONS], b: &[T; DIMENSIONS]) -> T
+where
+    T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
+    a.iter().zip(b).fold(T::default(), |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }
 
 fn coprime(a: usize, b: usize) -> bool {
@@ -237,7 +245,7 @@ fn coprime(a: usize, b: usize) -> bool {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Found {
     /// Boxes yet to be looked into, with their squared distances.
-    open: Vec<(f64, Below)>,
+    open: Vec<(f32, Below)>,
     /// The nearest points so far, and some that may turn out not to be.
     near: Vec<Neighbor>,
     indices: Vec<u32>,
@@ -255,7 +263,7 @@ impl Found {
 
     /// Finds the `count` nearest points with a squared distance of at most `limit`.
     #[inline(always)]
-    pub(crate) fn nearest(&mut self, tree: &Tree, query: &Point, count: usize, limit: f64) {
+    pub(crate) fn nearest(&mut self, tree: &Tree, query: &Point, count: usize, limit: f32) {
         // Points farther than this are none of the nearest; ties are broken by index at last.
         let mut reach = limit;
         self.near.clear();
@@ -294,8 +302,8 @@ impl Found {
     /// Notes the boxes of a node that are within reach, the nearest on top: what it holds may spare
     /// the others.
     #[inline(always)]
-    fn note(&mut self, node: &Node, query: &Point, reach: f64) {
-        let (mut least, mut top) = (f64::INFINITY, None);
+    fn note(&mut self, node: &Node, query: &Point, reach: f32) {
+        let (mut least, mut top) = (f32::INFINITY, None);
         for (squared, below) in node.distances(query).iter().zip(&node.below).take(node.len) {
             if *squared <= reach {
                 if *squared < least {
@@ -311,7 +319,7 @@ impl Found {
 
     /// Takes the points of a leaf that are within reach.
     #[inline(always)]
-    fn take(&mut self, leaf: &Leaf, query: &Point, reach: f64) {
+    fn take(&mut self, leaf: &Leaf, query: &Point, reach: f32) {
         let squared = leaf.distances(query);
         // One by one only where there is any.
         let near = squared.iter().fold(0, |near, squared| near + u32::from(*squared <= reach));
@@ -326,9 +334,9 @@ impl Found {
     }
 
     /// Keeps the `count` nearest points; returns the squared distance of the farthest of them.
-    fn keep(&mut self, count: usize) -> f64 {
+    fn keep(&mut self, count: usize) -> f32 {
         let (_, farthest, _) = self.near.select_nth_unstable(count - 1);
-        let reach = f64::from_bits((*farthest >> u32::BITS) as u64);
+        let reach = f32::from_bits((*farthest >> u32::BITS) as u32);
         self.near.truncate(count);
         reach
     }
@@ -360,7 +368,7 @@ mod tests {
         for n in [0, 1, 7, 33, 100, 1000, 5000] {
             // Coarse values make ties likely.
             let points: Vec<Point> = (0..n)
-                .map(|_| [(); DIMENSIONS].map(|()| f64::from(rng.random_range(0..6)) * 0.5))
+                .map(|_| [(); DIMENSIONS].map(|()| rng.random_range(0..6_i16).into()).map(|p: f32| 0.5 * p))
                 .collect();
             let mut tree = Tree::default();
             // In parts, as laps come.
@@ -368,9 +376,9 @@ mod tests {
                 tree.extend(part);
             }
             for count in [1, 5, 40] {
-                for limit in [0.3, 2.0, f64::INFINITY] {
+                for limit in [0.3, 2.0, f32::INFINITY] {
                     let query = [(); DIMENSIONS].map(|()| rng.random_range(0.0..3.0));
-                    let mut scan: Vec<(f64, u32)> = points
+                    let mut scan: Vec<(f32, u32)> = points
                         .iter()
                         .zip(0..)
                         .map(|(p, i)| (squared_distance(p, &query), i))

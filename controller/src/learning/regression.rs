@@ -140,7 +140,7 @@ impl RegressionData {
     /// Brings the samples from `begin` on into the tree.
     fn grow(&mut self, begin: usize) {
         let samples = self.samples[begin..].iter();
-        let points: Vec<Point> = samples.map(|sample| scaled(&sample.z, &self.scale)).collect();
+        let points: Vec<Point> = samples.map(|sample| point(&sample.z, &self.scale)).collect();
         self.tree.extend(&points);
     }
 
@@ -161,15 +161,15 @@ impl RegressionData {
     /// A squared distance within which `count` samples lie for certain: those found before for a
     /// point that was near. Where the search looks first makes no difference to what it finds.
     #[inline(always)]
-    fn reach(&self, query: &Point, count: usize, before: &[u32]) -> f64 {
+    fn reach(&self, query: &Point, count: usize, before: &[u32]) -> f32 {
         if before.len() < count {
-            return f64::INFINITY;
+            return f32::INFINITY;
         }
-        let mut farthest: f64 = 0.0;
+        let mut farthest: f32 = 0.0;
         for index in before {
             // Indices may be those of data that are no more.
-            let Some(sample) = self.samples.get(*index as usize) else { return f64::INFINITY };
-            let squared = squared_distance(&scaled(&sample.z, &self.scale), query);
+            let Some(sample) = self.samples.get(*index as usize) else { return f32::INFINITY };
+            let squared = squared_distance(&point(&sample.z, &self.scale), query);
             farthest = if squared > farthest { squared } else { farthest };
         }
         farthest
@@ -192,19 +192,19 @@ impl WithSimd for Fit<'_> {
     fn with_simd<S: Simd>(self, _: S) -> (Gamma, f64) {
         let Self { data, t, z_bar, config, scratch } = self;
         let Scratch { found, last, weights, samples, .. } = scratch;
-        let query = scaled(z_bar, &data.scale);
+        let query = point(z_bar, &data.scale);
         let h = config.bandwidth;
         // The plan was shifted: what is stage t now was the stage behind it a period ago.
         let before = last.get((t + 1).min(last.len().saturating_sub(1)));
         let reach = data.reach(&query, config.neighbors, before.map_or(&[], Vec::as_slice));
-        // At the bandwidth the weight is 0.
-        let limit = if reach < h { reach } else { h.next_down() };
-        found.nearest(&data.tree, &query, config.neighbors, limit);
+        // From the bandwidth on the weight is 0.
+        found.nearest(&data.tree, &query, config.neighbors, reach.min(h as f32));
         let near = || found.indices().iter().map(|index| &data.samples[*index as usize]);
         weights.clear();
+        let z_bar = scaled(z_bar, &data.scale);
         for sample in near() {
             let z = scaled(&sample.z, &data.scale);
-            weights.push(epanechnikov(squared_distance(&z, &query), h));
+            weights.push(epanechnikov(squared_distance(&z, &z_bar), h));
         }
         let support = weights.iter().sum();
         samples.set(weights, near().map(|sample| (&sample.z, &sample.y)));
@@ -220,9 +220,16 @@ impl WithSimd for Fit<'_> {
     }
 }
 
+/// A point of the space whose metric is 1.
 #[inline(always)]
-fn scaled(z: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Point {
+fn scaled(z: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> [f64; DIMENSIONS] {
     std::array::from_fn(|i| z[i] * scale[i])
+}
+
+/// The same as the search has it.
+#[inline(always)]
+fn point(z: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Point {
+    scaled(z, scale).map(|z| z as f32)
 }
 
 #[cfg(test)]
