@@ -14,7 +14,7 @@ use std::ops::{Add, Mul, Sub};
 /// Dimensions: v_x, v_y, omega_z, a, delta, scaled by the square root of the metric.
 pub(crate) const DIMENSIONS: usize = 5;
 /// Points of a leaf.
-const LEAF: usize = 32;
+const LEAF: usize = 48;
 /// Boxes below a node.
 const WIDTH: usize = 8;
 /// Points more than asked for that a search holds before it drops the farthest.
@@ -256,7 +256,7 @@ impl Found {
     pub(crate) fn new(count: usize) -> Self {
         Self {
             open: Vec::with_capacity(512),
-            near: Vec::with_capacity(count + SPARE + LEAF),
+            near: Vec::with_capacity(count + SPARE + 2 * LEAF),
             indices: Vec::with_capacity(count),
         }
     }
@@ -300,24 +300,24 @@ impl Found {
     }
 
     /// Notes the boxes of a node that are within reach, the nearest on top: what it holds may spare
-    /// the others.
+    /// the others. Each is written, and stays if it is near: no branch that nobody can foresee.
     #[inline(always)]
     fn note(&mut self, node: &Node, query: &Point, reach: f32) {
-        let (mut least, mut top) = (f32::INFINITY, None);
+        let mut len = self.open.len();
+        let (mut least, mut top) = (f32::INFINITY, len);
+        self.open.resize(len + WIDTH, (0.0, Below::Leaf(0)));
         for (squared, below) in node.distances(query).iter().zip(&node.below).take(node.len) {
-            if *squared <= reach {
-                if *squared < least {
-                    (least, top) = (*squared, Some(self.open.len()));
-                }
-                self.open.push((*squared, *below));
-            }
+            self.open[len] = (*squared, *below);
+            (least, top) = if *squared < least { (*squared, len) } else { (least, top) };
+            len += usize::from(*squared <= reach);
         }
-        if let (Some(top), Some(last)) = (top, self.open.len().checked_sub(1)) {
-            self.open.swap(top, last);
+        self.open.truncate(len);
+        if top + 1 < len {
+            self.open.swap(top, len - 1);
         }
     }
 
-    /// Takes the points of a leaf that are within reach.
+    /// Takes the points of a leaf that are within reach, likewise.
     #[inline(always)]
     fn take(&mut self, leaf: &Leaf, query: &Point, reach: f32) {
         let squared = leaf.distances(query);
@@ -326,11 +326,13 @@ impl Found {
         if near == 0 {
             return;
         }
+        let mut len = self.near.len();
+        self.near.resize(len + LEAF, 0);
         for (squared, index) in squared.iter().zip(&leaf.indices).take(leaf.len) {
-            if *squared <= reach {
-                self.near.push(neighbor(*squared, *index));
-            }
+            self.near[len] = neighbor(*squared, *index);
+            len += usize::from(*squared <= reach);
         }
+        self.near.truncate(len);
     }
 
     /// Keeps the `count` nearest points; returns the squared distance of the farthest of them.
