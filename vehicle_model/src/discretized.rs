@@ -50,7 +50,7 @@ impl Discretized {
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, kappa: impl Fn(f64) -> f64) -> Linearization {
         match self.model.kind {
-            ModelKind::Dynamic => variation::linearize(self, x, u, By::Input, &kappa),
+            ModelKind::Dynamic => variation::linearize(self, x, u, &kappa),
             ModelKind::Kinematic => self.linearize_directly(x, u, &kappa),
         }
     }
@@ -64,7 +64,9 @@ impl Discretized {
         mut found: impl FnMut(usize, Linearization),
     ) {
         match self.model.kind {
-            ModelKind::Dynamic => variation::linearize_all(self, points, &kappa, &mut found),
+            ModelKind::Dynamic => {
+                variation::linearize_all(self, points, By::Input, &kappa, &mut found);
+            }
             ModelKind::Kinematic => {
                 for (i, (x, u)) in points.iter().enumerate() {
                     found(i, self.linearize_directly(x, u, &kappa));
@@ -92,21 +94,26 @@ impl Discretized {
         }
     }
 
-    /// State after one control step and its Jacobian by the grip factors of the front and rear
-    /// axle: what a least-squares fit of the friction needs.
-    pub fn grip_jacobian(
+    /// State after one control step from every point and its Jacobian by the grip factors of the
+    /// front and rear axle: what a least-squares fit of the friction needs. Several points at once,
+    /// as [`Discretized::linearize_all`].
+    pub fn grip_jacobians(
         &self,
-        x: &State,
-        u: &Input,
+        points: &[(State, Input)],
         kappa: impl Fn(f64) -> f64,
-    ) -> (Vector6<f64>, Matrix6x2<f64>) {
+        mut found: impl FnMut(usize, Vector6<f64>, Matrix6x2<f64>),
+    ) {
         match self.model.kind {
             ModelKind::Dynamic => {
-                let found = variation::linearize(self, x, u, By::Grip, &kappa);
-                (found.next, found.b)
+                let mut found = |i, step: Linearization| found(i, step.next, step.b);
+                variation::linearize_all(self, points, By::Grip, &kappa, &mut found);
             }
             // A car that rolls has all the grip it needs.
-            ModelKind::Kinematic => (self.next(x, u, kappa).to_vector(), Matrix6x2::zeros()),
+            ModelKind::Kinematic => {
+                for (i, (x, u)) in points.iter().enumerate() {
+                    found(i, self.next(x, u, &kappa).to_vector(), Matrix6x2::zeros());
+                }
+            }
         }
     }
 

@@ -28,18 +28,18 @@ const RANGE: (f64, f64) = (0.2, 3.0);
 pub(crate) fn fit<'a>(
     model: &Discretized,
     track: &Track,
-    samples: impl Iterator<Item = &'a Sample> + Clone,
+    samples: impl Iterator<Item = &'a Sample>,
 ) -> [f64; 2] {
     let mut model = model.clone();
+    let measured = samples.filter_map(|sample| Some(((sample.x, sample.u), sample.next?)));
+    let (points, measured): (Vec<_>, Vec<_>) = measured.unzip();
     for _ in 0..STEPS {
         let grip = Vector2::from(model.model.grip);
         let mut hessian = Matrix2::identity() * PULL;
         let mut gradient = (Vector2::repeat(1.0) - grip) * PULL;
-        for sample in samples.clone() {
-            let Some(measured) = sample.next else { continue };
-            let (next, jacobian) = model.grip_jacobian(&sample.x, &sample.u, track.kappa_along());
+        model.grip_jacobians(&points, track.kappa_along(), |i, next, jacobian| {
             for row in 0..3 {
-                let r = (measured[row] - next[row]) / SCALES[row];
+                let r = (measured[i][row] - next[row]) / SCALES[row];
                 let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / SCALES[row];
                 if !r.is_finite() || !j.iter().all(|v| v.is_finite()) {
                     continue;
@@ -48,7 +48,7 @@ pub(crate) fn fit<'a>(
                 hessian += j * j.transpose() * weight;
                 gradient += j * (weight * r);
             }
-        }
+        });
         let Some(step) = hessian.cholesky().map(|factor| factor.solve(&gradient)) else { break };
         model.model.grip = [0, 1].map(|i| (grip[i] + step[i]).clamp(RANGE.0, RANGE.1));
         if step.amax() < DONE {

@@ -38,31 +38,32 @@ pub(super) enum By {
     Grip,
 }
 
-/// Jacobians of a step by its state and by the parameters.
+/// Jacobians of a step by its state and input.
 pub(super) fn linearize(
     step: &Discretized,
     x: &State,
     u: &Input,
-    by: By,
     kappa: &impl Fn(f64) -> f64,
 ) -> Linearization {
-    let y = integrate(step, &state_array(x), [u.a, u.delta], by, kappa);
+    let y = integrate(step, &state_array(x), [u.a, u.delta], By::Input, kappa);
     unpack(|i| y[i])
 }
 
-/// Jacobians by state and input at all points, as many at once as the processor has lanes.
+/// Jacobians by state and parameters at all points, as many at once as the processor has lanes.
 pub(super) fn linearize_all(
     step: &Discretized,
     points: &[(State, Input)],
+    by: By,
     kappa: &impl Fn(f64) -> f64,
     found: &mut impl FnMut(usize, Linearization),
 ) {
-    Arch::new().dispatch(Task { step, points, kappa, found });
+    Arch::new().dispatch(Task { step, points, by, kappa, found });
 }
 
 struct Task<'a, K, F> {
     step: &'a Discretized,
     points: &'a [(State, Input)],
+    by: By,
     kappa: &'a K,
     found: &'a mut F,
 }
@@ -82,7 +83,7 @@ impl<K: Fn(f64) -> f64, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K,
             }
             let a = Lanes::from_fn(simd, |lane| point(lane).1.a);
             let delta = Lanes::from_fn(simd, |lane| point(lane).1.delta);
-            let y = integrate(self.step, &x, [a, delta], By::Input, self.kappa);
+            let y = integrate(self.step, &x, [a, delta], self.by, self.kappa);
             for lane in 0..points.len() {
                 (self.found)(first + lane, unpack(|i| y[i].lane(lane)));
             }
