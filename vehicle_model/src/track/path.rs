@@ -29,16 +29,19 @@ impl Path {
         }
     }
 
-    /// [`Path::index_of`], first looked for at piece `near` and the one behind it.
+    /// [`Path::index_of`], found by walking from piece `near`.
     #[inline]
     pub(super) fn index_near(&self, s: f64, near: usize) -> usize {
         match self {
             Self::Arcs(arcs) => {
-                let holds = |i: usize| {
-                    arcs.get(i).is_some_and(|arc| arc.s <= s)
-                        && arcs.get(i + 1).is_none_or(|next| s < next.s)
-                };
-                [near, near + 1].into_iter().find(|i| holds(*i)).unwrap_or_else(|| self.index_of(s))
+                let mut i = near.min(arcs.len() - 1);
+                while i > 0 && s < arcs[i].s {
+                    i -= 1;
+                }
+                while arcs.get(i + 1).is_some_and(|next| next.s <= s) {
+                    i += 1;
+                }
+                i
             }
             Self::Spline(spline) => spline.index_of(s),
         }
