@@ -1,27 +1,34 @@
 //! `lmpc`: the racing LMPC from the command line.
 
-use std::process::ExitCode;
+use std::io::Write as _;
 
 use clap::Parser;
 use vehicle_bridge::cli::Cli;
 use vehicle_bridge::settings::Usage;
 use vehicle_bridge::{commands, console};
 
+/// Exit code for everything that goes wrong but the command line.
+const FAILURE: u8 = 1;
 /// Exit code for a wrong command line, as clap's own.
 const USAGE: u8 = 2;
 
-fn main() -> ExitCode {
+fn main() -> ! {
     let args = Cli::parse();
     args.color.apply();
-    match commands::run(args) {
-        Ok(outcome) => ExitCode::from(outcome.code()),
+    let code = match commands::run(args) {
+        Ok(outcome) => outcome.code(),
         // Whoever reads our results has read enough (`lmpc race | head`).
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => 0,
         Err(error) => {
             console::complain(&format!("{error:#}"));
-            if error.is::<Usage>() { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
+            if error.is::<Usage>() { USAGE } else { FAILURE }
         }
-    }
+    };
+    // All is done, and nobody is left to tell if the rest cannot be written.
+    let _ = std::io::stdout().flush();
+    // At once: an FMU's library may have code that runs at a process's ordinary end, and PythonFMU's
+    // reads freed memory there.
+    signal_hook::low_level::exit(code.into())
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
