@@ -29,6 +29,9 @@ const LEAST_TARGET: f64 = 0.1;
 const PATIENCE: u32 = 12;
 /// Error below which a solution that missed the tolerance is still called almost solved.
 const REDUCED_TOLERANCE: f64 = 1e-5;
+/// A last step of the first input by more than this is followed by another: where the cost is flat
+/// its gap says little of the input, and the input is what is applied. [m/s^2, rad]
+const SETTLED: f64 = 3e-4;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
@@ -108,8 +111,9 @@ impl Work {
             } else {
                 since += 1;
             }
+            let settled = since > 0 || iterations > 0 && self.direction.u[0].amax() <= SETTLED;
             // An error that is not finite fails every comparison.
-            if least <= config.tolerance || !error.is_finite() || since > PATIENCE {
+            if least <= config.tolerance && settled || !error.is_finite() || since > PATIENCE {
                 break;
             }
             if iterations == config.max_iterations {
