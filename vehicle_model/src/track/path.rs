@@ -12,6 +12,19 @@ pub(super) enum Path {
     Spline(Spline),
 }
 
+/// Piece that holds s, found by walking from piece `near` of `count`; piece i begins at `begin(i)`.
+#[inline]
+pub(super) fn walk(s: f64, near: usize, count: usize, begin: impl Fn(usize) -> f64) -> usize {
+    let mut i = near.min(count - 1);
+    while i > 0 && s < begin(i) {
+        i -= 1;
+    }
+    while i + 1 < count && s >= begin(i + 1) {
+        i += 1;
+    }
+    i
+}
+
 impl Path {
     /// Number of pieces.
     pub(super) fn len(&self) -> usize {
@@ -33,16 +46,7 @@ impl Path {
     #[inline]
     pub(super) fn index_near(&self, s: f64, near: usize) -> usize {
         match self {
-            Self::Arcs(arcs) => {
-                let mut i = near.min(arcs.len() - 1);
-                while i > 0 && s < arcs[i].s {
-                    i -= 1;
-                }
-                while arcs.get(i + 1).is_some_and(|next| next.s <= s) {
-                    i += 1;
-                }
-                i
-            }
+            Self::Arcs(arcs) => walk(s, near, arcs.len(), |i| arcs[i].s),
             Self::Spline(spline) => spline.index_of(s),
         }
     }

@@ -7,6 +7,7 @@
 //! = 6 ((y_(i+1) - y_i) / h_i - (y_i - y_(i-1)) / h_(i-1)).
 
 use super::frenet::wrap_angle;
+use super::path::walk;
 
 /// Newton steps in the search for a foot; it converges quadratically from the middle of a
 /// piece much shorter than its radius, so this is never reached.
@@ -67,14 +68,8 @@ impl Spline {
         let n = self.pieces.len();
         // A negative or undefined quotient becomes 0.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let mut i = ((s / self.knots[n] * n as f64) as usize).min(n - 1);
-        while i > 0 && s < self.knots[i] {
-            i -= 1;
-        }
-        while i + 1 < n && s >= self.knots[i + 1] {
-            i += 1;
-        }
-        i
+        let near = (s / self.knots[n] * n as f64) as usize;
+        walk(s, near, n, |i| self.knots[i])
     }
 
     /// Parameter at the beginning of piece i.
