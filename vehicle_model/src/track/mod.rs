@@ -17,6 +17,7 @@
 
 mod arc;
 mod builtin;
+mod changes;
 mod crossing;
 mod error;
 mod frenet;
@@ -24,9 +25,12 @@ mod import;
 mod path;
 mod points;
 mod segment;
+mod smooth;
 mod spline;
+mod survey;
 mod widths;
 
+pub use changes::{Change, ImportOptions, Imported, Side};
 pub use error::{Place, TrackError};
 pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;

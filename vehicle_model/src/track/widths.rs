@@ -43,6 +43,11 @@ impl Widths {
         Self { spans }
     }
 
+    /// Distance along the track where each stretch begins [m].
+    pub(super) fn starts(&self) -> Vec<f64> {
+        self.spans.iter().map(|span| span.s).collect()
+    }
+
     /// Least and largest distance from edge to edge [m].
     pub(super) fn range(&self) -> (f64, f64) {
         self.spans
