@@ -1,6 +1,6 @@
 //! What an import changed of the points it was given.
 
-use super::{Place, Track, TrackPoint};
+use super::{Place, Track, TrackPoint, points_to_toml};
 use std::fmt;
 
 /// How the points of a track file become a track.
@@ -21,6 +21,21 @@ pub struct Imported {
     pub changes: Vec<Change>,
     /// The points as the file has them; none for a track of segments.
     pub points: Vec<TrackPoint>,
+    /// The points that the track goes through; none for a track of segments.
+    pub line: Vec<TrackPoint>,
+}
+
+impl Imported {
+    /// A track that is as its file says.
+    pub(super) fn exact(track: Track) -> Self {
+        Self { track, changes: Vec::new(), points: Vec::new(), line: Vec::new() }
+    }
+
+    /// The track in our own format; reading it again gives the same track to the last bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        self.track.to_toml().unwrap_or_else(|| points_to_toml(self.track.name(), &self.line))
+    }
 }
 
 /// An edge of the track.

@@ -18,6 +18,9 @@ const SAME_CURVATURE: f64 = 0.03;
 const LEAST_WIDTH: f64 = 0.1;
 /// Largest share of the radius that the inner width may have: 1 - kappa e_y stays above 0.15.
 const INNER: f64 = 0.85;
+/// Widths beyond the largest by less than this share are not cut, so that a line that was cut
+/// before stays as it is.
+const ROUNDING: f64 = 1e-9;
 /// A track with more than this share of the lap cut has widths that do not belong to it.
 const MOST_CUT: f64 = 0.5;
 /// Cuts closer than this many points are one.
@@ -65,7 +68,7 @@ pub(super) fn build(
         line
     };
     let track = points::build(name, &line, &own_item)?;
-    Ok(Imported { track, changes, points: given.to_vec() })
+    Ok(Imported { track, changes, points: given.to_vec(), line })
 }
 
 /// Numbers of the points that do not repeat the one before them, and what was left out. A last
@@ -263,7 +266,7 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
                 Side::Left => (&mut p.width_left, tightest[i].0),
                 Side::Right => (&mut p.width_right, tightest[i].1),
             };
-            if *width * kappa <= INNER {
+            if *width * kappa <= INNER * (1.0 + ROUNDING) {
                 continue;
             }
             let (before, after) = (*width, INNER / kappa);

@@ -1,5 +1,6 @@
 //! Readers of track files. They take text and give a track or everything wrong with the text.
 
+mod points_toml;
 mod segments_toml;
 mod table;
 
@@ -33,10 +34,16 @@ impl Track {
     /// angle_deg = 180.0
     /// ```
     ///
+    /// In place of widths and segments the file may hold points of the centre line, as `lmpc track
+    /// convert` writes them: `point = [ { x_m = .., y_m = .., width_left_m = .., width_right_m
+    /// = .. }, .. ]`, with `smooth_m` for the smoothing of [`ImportOptions`].
+    ///
     /// # Errors
     /// The first of everything wrong with the text or the track it describes.
     pub fn from_toml(text: &str) -> Result<Self, TrackError> {
-        segments_toml::read(text).map_err(first)
+        segments_toml::read(text, &ImportOptions::default())
+            .map(|imported| imported.track)
+            .map_err(first)
     }
 
     /// The track of a file's text, in any of the formats known, told apart by their content:
@@ -84,8 +91,7 @@ fn read(file_name: &str, text: &str, options: &ImportOptions) -> Result<Imported
         !line.starts_with('#') && (line.starts_with('[') || line.contains('='))
     };
     if text.lines().any(looks_like_toml) {
-        let exact = |track| Imported { track, changes: Vec::new(), points: Vec::new() };
-        return segments_toml::read(text).map(exact);
+        return segments_toml::read(text, options);
     }
     let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
     let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);

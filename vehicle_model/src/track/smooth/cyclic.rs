@@ -102,9 +102,9 @@ mod tests {
         let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let mut z = b.clone();
         fill().factor().solve(&mut z);
-        for i in 0..n {
-            let product: f64 = (0..n).map(|j| a.entry(i, j) * z[j]).sum();
-            assert!((product - b[i]).abs() < 1e-12, "row {i}: {product} {}", b[i]);
+        for (i, b) in b.iter().enumerate() {
+            let product: f64 = z.iter().enumerate().map(|(j, z)| a.entry(i, j) * z).sum();
+            assert!((product - b).abs() < 1e-12, "row {i}: {product} {b}");
         }
     }
 }
