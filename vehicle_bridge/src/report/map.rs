@@ -58,6 +58,61 @@ pub(super) fn map(
 ) -> String {
     let all: Vec<StepRow> = laps.iter().flat_map(|lap| lap.steps.iter().copied()).collect();
     let range = SpeedRange::of(&all);
+    let (mut out, size) = ground(track);
+    for lap in laps {
+        let _ = write!(out, "<g data-lap=\"{}\"><title>{}</title>", lap.number, escape(&lap.title));
+        coloured(&lap.closed(), &range, &mut out);
+        out.push_str("</g>\n");
+    }
+    if let Some(optimal) = optimal {
+        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[2])).collect();
+        let _ = writeln!(
+            out,
+            "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
+            d(&line),
+            optimal.lap_time
+        );
+    }
+    if let Some((x, y)) = off_track {
+        let _ = writeln!(
+            out,
+            "<circle class=\"off\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>here the run \
+             failed</title></circle>",
+            -y,
+            0.009 * size
+        );
+    }
+    out.push_str("</svg>\n");
+    out.push_str(&colour_bar(&range));
+    out
+}
+
+/// The map of a track with points beside it and circles around places of its centre line.
+#[must_use]
+pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
+    let (mut out, size) = ground(track);
+    for (x, y) in points {
+        let radius = 0.001 * size;
+        let _ = writeln!(
+            out,
+            "<circle class=\"given\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
+            -y
+        );
+    }
+    for &s in places {
+        let ((x, y), radius) = (track.position(s), 0.015 * size);
+        let _ = writeln!(
+            out,
+            "<circle class=\"cut\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
+            -y
+        );
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
+/// The beginning of a map, up to the start line, and its size [m].
+fn ground(track: &Track) -> (String, f64) {
     let edge = |side: f64| -> Vec<(f64, f64)> {
         (0..EDGE_POINTS)
             .map(|i| {
@@ -81,32 +136,8 @@ pub(super) fn map(
         .collect();
     let _ = writeln!(out, "<path class=\"centre\" d=\"{}Z\"/>", d(&centre));
     start(track, bounds.size(), &mut out);
-    for lap in laps {
-        let _ = write!(out, "<g data-lap=\"{}\"><title>{}</title>", lap.number, escape(&lap.title));
-        coloured(&lap.closed(), &range, &mut out);
-        out.push_str("</g>\n");
-    }
-    if let Some(optimal) = optimal {
-        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[2])).collect();
-        let _ = writeln!(
-            out,
-            "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
-            d(&line),
-            optimal.lap_time
-        );
-    }
-    if let Some((x, y)) = off_track {
-        let _ = writeln!(
-            out,
-            "<circle class=\"off\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>here the run \
-             failed</title></circle>",
-            -y,
-            0.009 * bounds.size()
-        );
-    }
-    out.push_str("</svg>\n");
-    out.push_str(&colour_bar(&range));
-    out
+    let size = bounds.size();
+    (out, size)
 }
 
 fn at(track: &Track, s: f64, e_y: f64) -> (f64, f64) {

@@ -15,6 +15,7 @@ use crate::race::record::{Failure, LapRow, StepRow, is_fallback};
 use crate::race::timing::{StepTime, percentile};
 use crate::race::words::kind_word;
 
+pub use map::outline;
 pub use optimal::Optimal;
 
 /// What a report shows.

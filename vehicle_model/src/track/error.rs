@@ -34,6 +34,15 @@ pub enum TrackError {
         /// What was expected.
         expected: String,
     },
+    /// The text gives no widths, and none was given beside it.
+    #[error(
+        "line {line}: no widths; expected columns w_tr_right_m and w_tr_left_m, or a width for \
+         the whole track beside the file (`--width METRES`)"
+    )]
+    NoWidth {
+        /// Line, from 1.
+        line: usize,
+    },
     /// Too little of the path is given.
     #[error("{what}: found {found}, expected at least {expected}")]
     TooFew {
@@ -92,9 +101,10 @@ pub enum TrackError {
         /// Largest allowed distance [m].
         limit: f64,
     },
-    /// The centre line crosses itself.
+    /// The centre line crosses itself as no bridge does.
     #[error(
-        "the centre line crosses itself: {first} meets {second}; expected stretches that keep apart"
+        "the centre line crosses itself: {first} meets {second}; expected stretches that keep \
+         apart, or cross at more than 30 degrees (a bridge)"
     )]
     Crossing {
         /// First passage.
@@ -168,6 +178,7 @@ impl TrackError {
     pub(super) fn line_and_column(&self) -> (usize, usize) {
         match self {
             Self::Syntax { line, column, .. } => (*line, *column),
+            Self::NoWidth { line } => (*line, 1),
             _ => (0, 0),
         }
     }

@@ -68,7 +68,7 @@ pub(super) fn build(
         line
     };
     let track = points::build(name, &line, &own_item)?;
-    Ok(Imported { track, changes, points: given.to_vec(), line })
+    Ok(Imported { track, changes, points: given.to_vec(), line, origin: None })
 }
 
 /// Numbers of the points that do not repeat the one before them, and what was left out. A last
