@@ -79,7 +79,7 @@ fn each_bad_file_gets_its_message() {
             with(|p| {
                 p.iter_mut().enumerate().for_each(|(i, p)| {
                     let t = std::f64::consts::TAU * i as f64 / 90.0;
-                    (p.x, p.y) = (80.0 * t.cos(), 12.0 * (2.0 * t).sin());
+                    (p.x, p.y) = (80.0 * t.cos(), 8.0 * (2.0 * t).sin());
                 })
             }),
             "crosses itself",
@@ -91,7 +91,7 @@ fn each_bad_file_gets_its_message() {
                 .replace("# x_m,y_m", "lat,lon")
                 .replace("w_tr_right_m", "right")
                 .replace("w_tr_left_m", "left"),
-            "latitude is",
+            "order of latitude",
         ),
         (
             "no line in GeoJSON",

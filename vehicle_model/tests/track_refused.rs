@@ -93,7 +93,8 @@ fn a_bend_narrower_than_its_inner_width() {
     let TrackError::TooTight { place, radius, width } = error else { panic!("{error}") };
     assert!((place.s - 50.0).abs() < 1e-9 && (radius - 4.0).abs() < 1e-9 && width == 4.5);
     let text = "too narrow a bend at s = 50.000 m (x = 50.000, y = 0.000): its radius is 4.000 m, \
-                expected more than the inner width of 4.500 m";
+                expected more than the inner width of 4.500 m; smooth the line more, or make the \
+                track narrower there";
     assert_eq!(error.to_string(), text);
     // The outer side may be as wide as it likes.
     let bend = Segment::arc(4.0, PI).with_widths(3.9, 30.0);

@@ -91,7 +91,8 @@ pub enum TrackError {
     /// The last point is far from the first.
     #[error(
         "open track: the last point at {end} is {gap:.3} m from the first, \
-         expected at most {limit:.3} m (three times the largest spacing of the other points)"
+         expected at most {limit:.3} m (three times the largest spacing of the other points); \
+         add the points of the rest of the lap"
     )]
     Gap {
         /// The last point.
@@ -115,7 +116,8 @@ pub enum TrackError {
     /// Points too far apart for the bend between them.
     #[error(
         "too coarse at {place}: the path turns {turn:.3} rad between neighbouring points \
-         {spacing:.3} m apart, expected at most {limit:.3} rad"
+         {spacing:.3} m apart, expected at most {limit:.3} rad; \
+         correct the points there or add some between them"
     )]
     TooCoarse {
         /// Where.
@@ -161,7 +163,7 @@ pub enum TrackError {
     /// The inner edge lies beyond the centre of the bend, where s is not defined.
     #[error(
         "too narrow a bend at {place}: its radius is {radius:.3} m, expected more than the \
-         inner width of {width:.3} m"
+         inner width of {width:.3} m; smooth the line more, or make the track narrower there"
     )]
     TooTight {
         /// Where.

@@ -21,6 +21,8 @@ const INNER: f64 = 0.85;
 /// Widths beyond the largest by less than this share are not cut, so that a line that was cut
 /// before stays as it is.
 const ROUNDING: f64 = 1e-9;
+/// Least share of a width that a cut may leave; a bend that leaves less is an error in the file.
+const LEAST_CUT: f64 = 0.4;
 /// A track with more than this share of the lap cut has widths that do not belong to it.
 const MOST_CUT: f64 = 0.5;
 /// Cuts closer than this many points are one.
@@ -253,6 +255,7 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
     let mut changes = Vec::new();
     let mean = mean_width(&line);
     let mut cut = 0;
+    let mut tight = None;
     for side in [Side::Left, Side::Right] {
         let mut open: Option<(usize, usize, f64, f64)> = None;
         let close = |open: Option<(usize, usize, f64, f64)>, changes: &mut Vec<Change>| {
@@ -270,6 +273,10 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
                 continue;
             }
             let (before, after) = (*width, INNER / kappa);
+            if after < LEAST_CUT * before && tight.is_none() {
+                let place = Place { s: starts[i], x: p.x, y: p.y };
+                tight = Some(TrackError::TooTight { place, radius: 1.0 / kappa, width: before });
+            }
             *width = after;
             cut += 1;
             open = match open {
@@ -291,5 +298,8 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
         let (share, limit) = (100.0 * share, 100.0 * MOST_CUT);
         return Err(vec![TrackError::Scale { share, length, width: mean, limit }]);
     }
-    Ok((line, changes))
+    match tight {
+        Some(tight) => Err(vec![tight]),
+        None => Ok((line, changes)),
+    }
 }
