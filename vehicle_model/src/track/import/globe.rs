@@ -11,6 +11,9 @@ const ROUNDING: f64 = 1e-5;
 /// Largest distance from the middle [m].
 const MOST: f64 = 30_000.0;
 
+/// Places in the plane [m], and where its zero is.
+pub(super) type Projected = (Vec<(f64, f64)>, Origin);
+
 /// A position on the globe.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fix {
@@ -38,14 +41,14 @@ impl Fix {
 pub(super) fn project(
     fixes: &[Fix],
     item: &dyn Fn(usize) -> String,
-) -> Result<(Vec<(f64, f64)>, Origin), Vec<TrackError>> {
+) -> Result<Projected, Vec<TrackError>> {
     let mut problems = Vec::new();
     for (i, fix) in fixes.iter().enumerate() {
         for (key, found, most, expected) in [
             ("latitude", fix.latitude, 90.0, "degrees from -90 to 90"),
             ("longitude", fix.longitude, 180.0, "degrees from -180 to 180"),
         ] {
-            if !(found.abs() <= most) {
+            if !found.is_finite() || found.abs() > most {
                 problems.push(TrackError::Value { item: item(i), key, found, expected });
             }
         }
