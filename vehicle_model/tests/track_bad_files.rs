@@ -33,6 +33,7 @@ fn each_bad_file_gets_its_message() {
         ("open", with(|p| p.truncate(45)), "open track"),
         ("too few", with(|p| p.truncate(6)), "points: found 6"),
         ("a point moved", with(|p| p[30].y += 5.0), "line 32: point 31 at s ="),
+        ("a point far away", with(|p| p[30].y += 300.0), "line 32: point 31 at s ="),
         ("kilometres", every(|p| (p.x, p.y) = (p.x * 1e-3, p.y * 1e-3)), "all in metres"),
         (
             "widths in centimetres",

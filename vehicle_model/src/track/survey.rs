@@ -52,6 +52,9 @@ pub(super) fn build(
     let line = match strength {
         Some(strength) if survey.len() >= points::FEWEST => {
             check_gap(&survey, item)?;
+            if options.smooth.is_none() {
+                check_jumps(&survey, &own_item)?;
+            }
             let (line, change) = smoothed(&survey, strength, &own_item)?;
             changes.extend(change);
             line
@@ -119,6 +122,36 @@ fn check_gap(survey: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Result<()
         .filter(|problem| matches!(problem, TrackError::Gap { .. }))
         .collect();
     if gap.is_empty() { Ok(()) } else { Err(gap) }
+}
+
+/// Single points far from their neighbours. Such a point's second difference stands between two
+/// of half its size in the other direction; a corner's stands alone.
+fn check_jumps(
+    survey: &[TrackPoint],
+    item: &dyn Fn(usize) -> String,
+) -> Result<(), Vec<TrackError>> {
+    let n = survey.len();
+    let at = |i: usize| &survey[i % n];
+    let bend = |i: usize| {
+        let (a, b, c) = (at(i + n - 1), at(i), at(i + 1));
+        (b.x - 0.5 * (a.x + c.x), b.y - 0.5 * (a.y + c.y))
+    };
+    let mut wrong = Vec::new();
+    let mut s = 0.0;
+    for (i, p) in survey.iter().enumerate() {
+        let place = Place { s, x: p.x, y: p.y };
+        s += distance(p, at(i + 1));
+        let (before, own, after) = (bend(i + n - 1), bend(i), bend(i + 1));
+        let against = |other: (f64, f64)| other.0 * own.0 + other.1 * own.1;
+        let square = own.0 * own.0 + own.1 * own.1;
+        let (a, c) = (at(i + n - 1), at(i + 1));
+        let off = ((c.x - a.x) * own.1 - (c.y - a.y) * own.0).abs() / distance(a, c);
+        let limit = OUTLIER * (p.width_left + p.width_right);
+        if off > limit && against(before).max(against(after)) < -0.25 * square {
+            wrong.push(TrackError::Outlier { item: item(i), place, distance: off, limit });
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong) }
 }
 
 /// The points of a smooth line, with the edges where they were, and what was moved.
