@@ -82,20 +82,41 @@ fn every_real_file_loads() {
 }
 
 #[test]
-fn the_line_is_recovered_within_its_noise() {
+fn the_line_is_recovered_within_its_noise_and_so_is_its_curvature() {
+    // Spacing and noise [m]; the limits of rms and largest distance in units of the noise, and of
+    // the curvature 0.1 m (median of the seeds), 0.2 m (median) and 0.4 m (all) from its jumps in
+    // shares of the largest curvature.
+    let cases = [
+        (0.05, 0.001, [0.35, 1.6], [0.15, 0.09, 0.09]),
+        (0.05, 0.005, [0.35, 1.1], [0.30, 0.12, 0.12]),
+        (0.05, 0.010, [0.35, 1.1], [0.30, 0.12, 0.16]),
+        (0.20, 0.010, [0.75, 2.2], [0.60, 0.40, 0.30]),
+    ];
     let exact = Track::builtin("l").unwrap();
-    for (spacing, noise) in [(0.05, 0.001), (0.05, 0.005), (0.05, 0.01), (0.2, 0.01)] {
-        for seed in 0..3 {
+    for (spacing, noise, line, curvature) in cases {
+        let mut kappas = [const { Vec::new() }; 3];
+        for seed in 0..8 {
             let Imported { track, changes, .. } =
                 import(&surveyed(&exact, spacing, noise, seed), None).unwrap();
             let (rms, largest, _) = errors(&track, &exact, 0.1);
-            assert!(rms < 0.6 * noise && largest < 2.0 * noise, "{noise} {rms} {largest}");
+            assert!(rms < line[0] * noise && largest < line[1] * noise, "{noise} {rms} {largest}");
             let found = changes.iter().find_map(|c| match c {
                 Change::Smoothed { noise, .. } => Some(*noise),
                 _ => None,
             });
-            assert!((found.unwrap() / noise - 1.0).abs() < 0.35, "{noise} {found:?}");
+            let share = found.unwrap() / noise;
+            assert!((share - 1.0).abs() < if spacing < 0.1 { 0.15 } else { 0.35 }, "{share}");
+            for (list, apart) in kappas.iter_mut().zip([0.1, 0.2, 0.4]) {
+                list.push(errors(&track, &exact, apart).2 / exact.max_abs_kappa());
+            }
         }
+        for list in &mut kappas {
+            list.sort_by(f64::total_cmp);
+        }
+        let [near, mid, far] = &kappas;
+        println!("{spacing} {noise}: {kappas:.3?}");
+        assert!(near[4] < curvature[0] && mid[4] < curvature[1], "{spacing} {noise} {kappas:?}");
+        assert!(far[7] < curvature[2], "{spacing} {noise} {kappas:?}");
     }
 }
 

@@ -36,6 +36,15 @@ fn slopes(u: f64, degree: usize) -> [f64; ACTIVE] {
     d
 }
 
+/// The second derivatives of what [`splines`] gives, with respect to u.
+fn bends(u: f64, degree: usize) -> [f64; ACTIVE] {
+    let b = splines(u, degree - 2);
+    std::array::from_fn(|k| {
+        let at = |shift: usize| if k >= shift { b[k - shift] } else { 0.0 };
+        at(0) - 2.0 * at(1) + at(2)
+    })
+}
+
 /// Equal intervals of a closed parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
@@ -68,13 +77,41 @@ impl Grid {
     }
 
     /// Derivative of the splines at t.
-    fn slope(&self, t: f64) -> Row {
+    pub(super) fn slope(&self, t: f64) -> Row {
         let (first, u) = self.place(t);
         Row { first, values: slopes(u, DEGREE).map(|d| d / self.interval) }
+    }
+
+    /// Second derivative of the splines at t.
+    pub(super) fn bend(&self, t: f64) -> Row {
+        let (first, u) = self.place(t);
+        let square = self.interval * self.interval;
+        Row { first, values: bends(u, DEGREE).map(|d| d / square) }
+    }
+
+    /// The splines at a knot.
+    pub(super) fn knot_row(&self) -> [f64; ACTIVE] {
+        splines(0.0, DEGREE)
+    }
+
+    /// Their second derivatives.
+    pub(super) fn knot_bend(&self) -> [f64; ACTIVE] {
+        let square = self.interval * self.interval;
+        bends(0.0, DEGREE).map(|d| d / square)
+    }
+
+    /// Length of the whole parameter.
+    pub(super) fn end(&self) -> f64 {
+        self.count as f64 * self.interval
     }
 }
 
 impl Row {
+    /// The values, of the splines from `first` on.
+    pub(super) fn values(&self) -> &[f64; ACTIVE] {
+        &self.values
+    }
+
     /// Spline number and value of each.
     pub(super) fn entries(&self, count: usize) -> [(usize, f64); ACTIVE] {
         std::array::from_fn(|k| ((self.first + k) % count, self.values[k]))
@@ -110,6 +147,12 @@ impl Curve {
         (row.times(&self.x), row.times(&self.y))
     }
 
+    /// Second derivative (x'', y'') at t.
+    pub(super) fn bend(&self, t: f64) -> (f64, f64) {
+        let row = self.grid.bend(t);
+        (row.times(&self.x), row.times(&self.y))
+    }
+
     /// Arc length from 0 to the end of each interval, beginning with 0.
     pub(super) fn lengths(&self) -> Vec<f64> {
         let mut lengths = vec![0.0];
@@ -139,7 +182,7 @@ impl Curve {
 
 #[cfg(test)]
 mod tests {
-    use super::{ACTIVE, slopes, splines};
+    use super::{ACTIVE, bends, slopes, splines};
 
     #[test]
     fn the_splines_sum_to_one_and_slope_as_their_differences_do() {
@@ -148,8 +191,11 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-14);
             let step = 1e-5;
             let (a, b, d) = (splines(u - step, 5), splines(u + step, 5), slopes(u, 5));
+            let (before, after, second) = (slopes(u - step, 5), slopes(u + step, 5), bends(u, 5));
             for k in 0..ACTIVE {
                 assert!((d[k] - (b[k] - a[k]) / (2.0 * step)).abs() < 1e-9, "{u} {k}");
+                let difference = (after[k] - before[k]) / (2.0 * step);
+                assert!((second[k] - difference).abs() < 1e-9, "{u} {k}");
             }
         }
         // Values of the quintic at its knots: 1, 26, 66, 26, 1 in 120.

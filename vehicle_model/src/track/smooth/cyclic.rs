@@ -7,6 +7,8 @@
 pub(super) struct Cyclic {
     /// Row i from its first column to i.
     rows: Vec<Vec<f64>>,
+    /// Entries reach this far from the diagonal, counted around the corners.
+    band: usize,
 }
 
 impl Cyclic {
@@ -14,7 +16,7 @@ impl Cyclic {
     /// around the corners.
     pub(super) fn zero(n: usize, band: usize) -> Self {
         let first = |i: usize| if i + band >= n { 0 } else { i.saturating_sub(band) };
-        Self { rows: (0..n).map(|i| vec![0.0; i + 1 - first(i)]).collect() }
+        Self { rows: (0..n).map(|i| vec![0.0; i + 1 - first(i)]).collect(), band }
     }
 
     /// First column of row i.
@@ -71,9 +73,30 @@ impl Cyclic {
         }
     }
 
+    /// Of the inverse of L L', the entries where L may differ from zero (Takahashi, Fagan and
+    /// Chen, 1973).
+    pub(super) fn inverse(&self) -> Self {
+        let n = self.rows.len();
+        let mut z = Self::zero(n, self.band);
+        let mut below = Vec::with_capacity(2 * self.band);
+        for j in (0..n).rev() {
+            below.clear();
+            let corners = n.saturating_sub(self.band).max(j + 1);
+            below.extend((j + 1..(j + 1 + self.band).min(corners)).chain(corners..n));
+            let diagonal = self.entry(j, j);
+            let mut own = 1.0 / diagonal;
+            for &i in &below {
+                let product: f64 = below.iter().map(|&k| z.entry(i, k) * self.entry(k, j)).sum();
+                z.add(i, j, -product / diagonal);
+                own += product / diagonal * self.entry(i, j);
+            }
+            z.add(j, j, own / diagonal);
+        }
+        z
+    }
+
     /// The entry (i, j).
-    #[cfg(test)]
-    fn entry(&self, i: usize, j: usize) -> f64 {
+    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
         let (row, column) = (i.max(j), i.min(j));
         let first = self.first(row);
         if column < first { 0.0 } else { self.rows[row][column - first] }
@@ -105,6 +128,17 @@ mod tests {
         for (i, b) in b.iter().enumerate() {
             let product: f64 = z.iter().enumerate().map(|(j, z)| a.entry(i, j) * z).sum();
             assert!((product - b).abs() < 1e-12, "row {i}: {product} {b}");
+        }
+        let inverse = fill().factor().inverse();
+        for j in 0..n {
+            let mut column = vec![0.0; n];
+            column[j] = 1.0;
+            fill().factor().solve(&mut column);
+            for d in 0..=band {
+                let i = (j + d) % n;
+                let error = inverse.entry(i, j) - column[i];
+                assert!(error.abs() < 1e-13, "({i}, {j}): {error}");
+            }
         }
     }
 }

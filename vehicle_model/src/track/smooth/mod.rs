@@ -16,9 +16,11 @@
 
 mod curve;
 mod cyclic;
+mod jumps;
 
 use curve::{Curve, Grid, Row};
 use cyclic::Cyclic;
+use jumps::Offset;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -46,6 +48,11 @@ const NEIGHBOURS: usize = 3;
 /// the most vectors.
 const PROBES: (usize, usize, usize) = (20_000, 2, 20);
 
+/// The curve with few changes of curvature is taken if it has no more than this share of the
+/// freedom of the smooth one and no less than this share of its noise: it explains as much of the
+/// points with less.
+const FEW: (f64, f64) = (0.5, 0.9);
+
 /// How strongly points are smoothed.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Strength {
@@ -58,6 +65,8 @@ pub(super) enum Strength {
 /// A smooth curve and what it made of the points.
 pub(super) struct Smoothed {
     curve: Curve,
+    /// Offset from the curve, where its curvature changes in few places.
+    offset: Option<Offset>,
     /// Parameter of each point.
     t: Vec<f64>,
     /// Standard deviation of the points from the curve, in each coordinate, corrected for the
@@ -70,19 +79,25 @@ pub(super) struct Smoothed {
 impl Smoothed {
     /// The place on the curve of point i.
     pub(super) fn point(&self, i: usize) -> (f64, f64) {
-        self.curve.point(self.t[i])
+        self.place(self.t[i])
+    }
+
+    /// Place of the curve at a parameter.
+    fn place(&self, t: f64) -> (f64, f64) {
+        self.offset.as_ref().map_or_else(|| self.curve.point(t), |o| o.point(&self.curve, t))
     }
 
     /// Tangent of the curve at point i, not normalised.
     pub(super) fn tangent(&self, i: usize) -> (f64, f64) {
-        self.curve.tangent(self.t[i])
+        let (curve, t) = (&self.curve, self.t[i]);
+        self.offset.as_ref().map_or_else(|| curve.tangent(t), |offset| offset.tangent(curve, t))
     }
 
-    /// Places at equal steps of the parameter, one per spline, each with the number of the point
-    /// before it and the part of the way to the next.
+    /// Places at equal steps of the parameter, one per spline, or two where the curvature jumps,
+    /// each with the number of the point before it and the part of the way to the next.
     pub(super) fn resample(&self) -> Vec<((f64, f64), usize, f64)> {
-        let count = self.curve.grid.count;
-        let end = count as f64 * self.curve.grid.interval;
+        let count = self.curve.grid.count * if self.offset.is_some() { 2 } else { 1 };
+        let end = self.curve.grid.end();
         let n = self.t.len();
         let mut i = 0;
         (0..count)
@@ -92,7 +107,7 @@ impl Smoothed {
                     i += 1;
                 }
                 let next = if i + 1 < n { self.t[i + 1] } else { end };
-                (self.curve.point(t), i, (t - self.t[i]) / (next - self.t[i]))
+                (self.place(t), i, (t - self.t[i]) / (next - self.t[i]))
             })
             .collect()
     }
@@ -297,5 +312,16 @@ pub(super) fn smooth(points: &[(f64, f64)], strength: Strength) -> Smoothed {
     let (curve, squares) = fit.curve(&factor);
     let freedom = fit.freedom(&factor);
     let noise = (0.5 * squares / (n as f64 - freedom).max(1.0)).sqrt();
-    Smoothed { curve, t: fit.t, noise, leverage: freedom / n as f64 }
+    let offset = match strength {
+        Strength::Automatic(most) => {
+            jumps::offset(&curve, points, &fit.t, noise).filter(|offset| {
+                let few = offset.freedom < FEW.0 * freedom && offset.noise > FEW.1 * noise;
+                few && offset.largest <= most
+            })
+        }
+        Strength::Moves(_) => None,
+    };
+    let (noise, freedom) =
+        offset.as_ref().map_or((noise, freedom), |offset| (offset.noise, offset.freedom));
+    Smoothed { curve, offset, t: fit.t, noise, leverage: freedom / n as f64 }
 }
