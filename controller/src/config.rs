@@ -26,6 +26,8 @@ pub struct Config {
     pub nominal: NominalConfig,
     /// Weights of the optimal control problem.
     pub cost: CostConfig,
+    /// Speed envelope along the track.
+    pub envelope: EnvelopeConfig,
     /// Constraints beside the input box, which belongs to the car.
     pub limits: LimitsConfig,
     /// The initial laps.
@@ -150,6 +152,9 @@ pub struct CostConfig {
     /// Gentle start: factor of the acceleration rate in the first learned lap, halved each lap
     /// until `acceleration_rate` is reached. 0 switches it off.
     pub gentle_start: f64,
+    /// Factor of the cost of tyre dissipation's curvature, by which a plan stays near the slip
+    /// angles it was linearised at; 1 is that of the equations, 0 switches it off.
+    pub dissipation: f64,
     /// Quadratic weights of the terminal slack in state order.
     pub terminal_slack: [f64; NX],
     /// Linear weight of the lane slack of each stage [1/m].
@@ -160,6 +165,22 @@ pub struct CostConfig {
     pub slip: f64,
     /// Linear weight of the speed-cap slack [s/m].
     pub speed: f64,
+}
+
+/// Speed envelope: how fast a plan may be at each place of the track.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EnvelopeConfig {
+    /// Whether there is one.
+    pub active: bool,
+    /// Share of the known grip up to which speed may grow in one lap. (0, 2]
+    pub grip_share: f64,
+    /// Growth from lap to lap that is always allowed, as a share of the driven speed. [0, 1]
+    pub growth_least: f64,
+    /// Greatest growth from lap to lap, as a share of the driven speed. [0, 10]
+    pub growth_most: f64,
+    /// Share of the brakes that slowing down for what comes may use. (0, 1]
+    pub brake_share: f64,
 }
 
 /// Constraints beside the input box.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
     RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
     WarmUpConfig,
 };
@@ -59,11 +59,19 @@ impl Config {
                 steering_rate: 1.0,
                 steering_rate_floor: 0.0,
                 gentle_start: 0.0,
+                dissipation: 0.0,
                 terminal_slack: [40.0, 4.0, 4.0, 40.0, 40.0, 40.0],
                 lane_linear: 25.0,
                 lane_quadratic: 100.0,
                 slip: 1000.0,
                 speed: 25.0,
+            },
+            envelope: EnvelopeConfig {
+                active: false,
+                grip_share: 1.0,
+                growth_least: 0.05,
+                growth_most: 1.0,
+                brake_share: 1.0,
             },
             limits: LimitsConfig {
                 lane_margin: 0.1,
@@ -99,9 +107,11 @@ impl Config {
                 acceleration_rate: 1e-3,
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
+                dissipation: 1.0,
                 slip: 200.0,
                 ..paper.cost
             },
+            envelope: EnvelopeConfig { active: true, ..paper.envelope },
             limits: LimitsConfig { front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper
         }
@@ -130,6 +140,7 @@ default_of_race! {
     regression: RegressionConfig,
     nominal: NominalConfig,
     cost: CostConfig,
+    envelope: EnvelopeConfig,
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,

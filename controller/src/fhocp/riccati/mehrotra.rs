@@ -8,7 +8,7 @@ use super::barrier::Barrier;
 use super::hull::Hull;
 use super::recursion::{Gain, Model, backward, costates, factor, forward};
 use super::report;
-use super::rows::{Point, Rows, quantities};
+use super::rows::{FRONT, Point, REAR, Rows, quantities};
 use super::stage::{Curvature, Gradient, penalty};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
@@ -178,7 +178,7 @@ impl Work {
         let hull = self.rows.hull();
         for (t, curvature) in self.curvature.iter_mut().enumerate() {
             *curvature =
-                Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
+                Curvature::of(problem, t, &self.rows, self.rows.stage(t, &self.barrier.sigma));
         }
         if !self.hull.factor(&self.barrier.sigma[hull..]) {
             return false;
@@ -194,8 +194,11 @@ impl Work {
         let mut u_before = problem.u_prev;
         for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
         {
-            let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
-            *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
+            let (x, u) = (&self.point.x, &self.point.u[t]);
+            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
+            let pull = self.rows.stage(t, &self.barrier.pull);
+            let s = &self.point.s[t];
+            *gradient = Gradient::of(problem, t, &self.rows, pull, u, &u_before, s, &y);
             curvature.eliminate(gradient);
             u_before = *u;
         }
@@ -249,10 +252,15 @@ impl Work {
             let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
             let z = self.rows.stage(t, &self.barrier.z);
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
-            let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
+            let x = &self.point.x;
+            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
+            let gradient = Gradient::of(problem, t, &self.rows, z, u, &u_before, s, &y);
             let du = u - u_before;
             cost += problem.input_cost.dot(&u.component_mul(u))
                 + problem.rate_cost.dot(&du.component_mul(&du));
+            for (k, row) in [(REAR, &problem.rear[t]), (FRONT, &problem.front[t])] {
+                cost += row.weight * (y[k] + row.offset - row.reference).powi(2);
+            }
             for ((linear, quadratic), s) in penalty.iter().zip(s) {
                 cost += (linear + quadratic * s) * s;
             }
