@@ -32,6 +32,9 @@ const REDUCED_TOLERANCE: f64 = 1e-5;
 /// A last step of the first input by more than this is followed by another: where the cost is flat
 /// its gap says little of the input, and the input is what is applied. [m/s^2, rad]
 const SETTLED: f64 = 3e-4;
+/// Error below which an iterate is solved if the next one is worse and the first input has settled:
+/// the rounding errors of a long horizon's costates then exceed what is left to gain.
+const STALLED: f64 = 1e-6;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
@@ -101,17 +104,22 @@ impl Work {
         let mut running = true;
         let mut least = f64::INFINITY;
         let mut since = 0;
+        let mut input_settled = false;
         let mut iterations = 0;
         while running {
             let residuals = self.residuals(problem);
             let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
             if error < least {
                 (least, since) = (error, 0);
+                input_settled = iterations > 0 && self.direction.u[0].amax() <= SETTLED;
                 self.best.copy(&self.point);
             } else {
                 since += 1;
             }
-            let settled = since > 0 || iterations > 0 && self.direction.u[0].amax() <= SETTLED;
+            let settled = since > 0 || input_settled;
+            if since > 0 && least <= STALLED && input_settled {
+                break;
+            }
             // An error that is not finite fails every comparison.
             if least <= config.tolerance && settled || !error.is_finite() || since > PATIENCE {
                 break;
@@ -122,7 +130,8 @@ impl Work {
             iterations += 1;
             running = self.iterate(problem, config);
         }
-        let status = if least <= config.tolerance {
+        let stalled = least <= STALLED && input_settled;
+        let status = if least <= config.tolerance || stalled {
             SolveStatus::Solved
         } else if least <= REDUCED_TOLERANCE {
             SolveStatus::AlmostSolved
