@@ -34,7 +34,7 @@ const REDUCED_TOLERANCE: f64 = 1e-5;
 const SETTLED: f64 = 3e-4;
 /// Error below which an iterate is solved if the next one is worse and the first input has settled:
 /// the rounding errors of a long horizon's costates then exceed what is left to gain.
-const STALLED: f64 = 1e-6;
+const STALLED: f64 = 1e-5;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
