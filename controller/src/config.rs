@@ -5,7 +5,7 @@
 //! is named.
 
 use serde::{Deserialize, Serialize};
-use vehicle_model::NX;
+use vehicle_model::{CarParams, NX, Track};
 
 use crate::error::ConfigError;
 use crate::presets::Preset;
@@ -139,8 +139,10 @@ pub struct NominalConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostConfig {
-    /// Weight c_u of |u|^2 in steps.
+    /// Weight c_u of the squared steering angle, in steps [1/rad^2].
     pub input: f64,
+    /// Weight c_u of the squared acceleration, in steps [s^4/m^2].
+    pub input_acceleration: f64,
     /// Weight c_du ("CRC") of the squared rates of the input per second.
     pub control_rate: f64,
     /// Factor of the acceleration rate within `control_rate`, w_a.
@@ -274,8 +276,25 @@ impl Config {
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         // Read directly first: only this error knows lines and columns.
         let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
-        let base =
-            toml::Table::try_from(Self::preset(direct.preset)).map_err(ConfigError::merge)?;
+        Self::over(&Self::preset(direct.preset), text)
+    }
+
+    /// Reads a configuration for a car and a track: what follows from them, overridden by the keys
+    /// of the text.
+    ///
+    /// # Errors
+    /// As [`Config::from_toml`].
+    pub fn from_toml_for(
+        text: &str,
+        car: &CarParams,
+        track: &Track,
+    ) -> Result<Self, ConfigError> {
+        let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
+        Self::over(&Self::derived(direct.preset, car, track), text)
+    }
+
+    fn over(base: &Self, text: &str) -> Result<Self, ConfigError> {
+        let base = toml::Table::try_from(base).map_err(ConfigError::merge)?;
         let user: toml::Table = toml::from_str(text).map_err(ConfigError::syntax)?;
         let config: Self = merge(base, user).try_into().map_err(ConfigError::syntax)?;
         config.checked()
@@ -316,6 +335,8 @@ impl Config {
         }
         let c = &self.cost;
         check.range("cost.input", c.input, 0.0, 1e6);
+        check.range("cost.input_acceleration", c.input_acceleration, 0.0, 1e6);
+        check.range("cost.dissipation", c.dissipation, 0.0, 1e3);
         check.range("cost.control_rate", c.control_rate, 0.0, 1e6);
         check.range("cost.acceleration_rate", c.acceleration_rate, 0.0, 1e6);
         check.range("cost.steering_rate", c.steering_rate, 0.0, 1e6);

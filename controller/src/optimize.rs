@@ -37,7 +37,7 @@ impl Workspace {
         let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
-        problem.input_cost = Vector2::repeat(cost.input);
+        problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
         problem.u_min = Vector2::new(car.a_min, -car.delta_max);
         problem.u_max = Vector2::new(car.a_max, car.delta_max);
         problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));

@@ -54,6 +54,7 @@ impl Config {
             nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false },
             cost: CostConfig {
                 input: 1e-3,
+                input_acceleration: 1e-3,
                 control_rate: 0.1,
                 acceleration_rate: 1.0,
                 steering_rate: 1.0,
@@ -107,7 +108,7 @@ impl Config {
                 acceleration_rate: 1e-3,
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
-                dissipation: 1.0,
+                dissipation: 2.0,
                 slip: 200.0,
                 ..paper.cost
             },
