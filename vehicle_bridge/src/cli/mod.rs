@@ -24,7 +24,7 @@ pub use network::{
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use race::{ControllerArgs, RaceArgs};
-pub use study::{StudyArgs, StudyName};
+pub use study::{PaperStudyArgs, Study, StudyArgs, StudyName, TracksStudyArgs};
 pub use top::TopArgs;
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
 
@@ -57,7 +57,7 @@ pub struct Cli {
 pub enum Command {
     /// Race a simulated car faster than real time: it learns lap after lap
     Race(Box<RaceArgs>),
-    /// Repeat a study of the paper over many seeds
+    /// Race many cars, tracks and seeds, or repeat a study of the paper
     Study(Box<StudyArgs>),
     /// Serve the controller on an LCM network
     Serve(Box<ServeArgs>),

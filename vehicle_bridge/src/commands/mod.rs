@@ -13,6 +13,7 @@ mod race_table;
 mod seeds;
 mod setup;
 mod study;
+mod study_tracks;
 mod top;
 mod vehicle;
 

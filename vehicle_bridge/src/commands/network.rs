@@ -117,7 +117,7 @@ pub(super) fn sim(
             Box::new(Plant::new(params, Arc::clone(&options.track), start)?)
         }
     };
-    let rule = FailureRule::new(config, &options.track);
+    let rule = FailureRule::new(config, &options.track, vehicle.car(), options.limit);
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {

@@ -163,6 +163,7 @@ fn summary(race: &Race, out: &Path) -> serde_json::Value {
                 "valid": lap.result.valid,
                 "v_max_mps": lap.v_max,
                 "e_y_max_m": lap.e_y_max,
+                "overhang_max_m": lap.overhang_max,
                 "fallbacks": lap.fallbacks,
                 "clipped": lap.clipped,
             })
@@ -173,8 +174,11 @@ fn summary(race: &Race, out: &Path) -> serde_json::Value {
             "reason": f.reason.as_str(),
             "iteration": f.iteration,
             "time_s": f.time,
-            "s_m": f.s,
-            "e_y_m": f.e_y,
+            "s_m": f.x.s,
+            "e_y_m": f.x.e_y,
+            "v_x_mps": f.x.v_x,
+            "e_psi_rad": f.x.e_psi,
+            "beyond_m": f.beyond,
             "message": f.to_string(),
         })
     });
