@@ -20,8 +20,12 @@ pub mod track;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
+pub use fingerprint::fingerprint;
 pub use limiter::{Limit, Limited, Limiter};
-pub use model::{AxleForces, Model, ModelKind, PoseConvention};
+pub use model::{
+    AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
+    SpatialExpansion,
+};
 pub use params::{CarParams, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use slip::SlipAngles;
