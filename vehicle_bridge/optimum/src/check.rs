@@ -6,8 +6,9 @@ use vehicle_model::{CarParams, Input, ModelError, Plant, PlantParams, State, Tra
 
 use crate::interval::{Interval, Node};
 
-/// Steps of the plant in one interval.
-const STEPS: u32 = 100;
+/// Steps of the plant in one interval; the last one is cut into as many again, so that little of
+/// the last look-up of the curvature falls behind the interval's end.
+const STEPS: u32 = 50;
 
 /// Deviations of the plant from the end of each interval it drives from its beginning:
 /// [v_x, v_y, omega_z, e_psi, s, e_y].
@@ -54,10 +55,11 @@ fn drive(plant: &mut Plant, car: &CarParams, interval: &Interval, z: [&Node; 2],
         e_y: begin[4],
     };
     plant.reset_at(initial, Input { a: begin[5], delta: begin[6] });
-    let dt = time / f64::from(STEPS);
     let mut position = [begin[5], begin[6]];
     let rates = [car.a_rate_max, car.delta_rate_max];
-    for _ in 0..STEPS {
+    let step = time / f64::from(STEPS);
+    let last = (0..STEPS).map(|_| step / f64::from(STEPS));
+    for dt in (1..STEPS).map(|_| step).chain(last) {
         // Inputs are linear in s: the middle of the step, with the pace of its beginning.
         let now = plant.unwrapped();
         let ahead = (now.v_x * now.e_psi.cos() - now.v_y * now.e_psi.sin())

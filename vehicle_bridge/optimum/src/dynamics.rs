@@ -1,8 +1,8 @@
 //! The car's equations per metre, made smooth where braking passes into driving.
 //!
-//! A car that brakes with other wheels than it drives with has a kink at a = 0. Within a narrow
-//! band around it the equations with the shares of driving and those with the shares of braking
-//! are blended.
+//! A car that brakes with other wheels than it drives with has a kink at a = 0. Where it is not yet
+//! known which of both the car does, the equations with the shares of driving and those with the
+//! shares of braking are blended in a band around it.
 
 use vehicle_model::{
     CarParams, Model, ModelKind, SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion,
@@ -10,6 +10,17 @@ use vehicle_model::{
 
 /// Index of a among the variables.
 const A: usize = 5;
+
+/// What the car does in an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Either: the equations are blended.
+    Either,
+    /// It drives, a >= 0.
+    Drive,
+    /// It brakes, a <= 0.
+    Brake,
+}
 
 /// The equations of one car.
 #[derive(Debug, Clone)]
@@ -37,9 +48,16 @@ impl Dynamics {
         }
     }
 
+    /// Whether there is no kink.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.brake.is_none()
+    }
+
     /// The model that holds at an acceleration, or both with the share of driving.
-    fn at(&self, a: f64) -> (&Model, Option<(&Model, Share)>) {
+    fn at(&self, mode: Mode, a: f64) -> (&Model, Option<(&Model, Share)>) {
         match &self.brake {
+            Some(brake) if mode == Mode::Brake => (brake, None),
+            _ if mode == Mode::Drive => (&self.drive, None),
             Some(brake) if a <= -self.band => (brake, None),
             Some(brake) if a < self.band => (&self.drive, Some((brake, self.share(a)))),
             _ => (&self.drive, None),
@@ -59,8 +77,13 @@ impl Dynamics {
     }
 
     /// Rates per metre of [v_x, v_y, omega_z, e_psi, e_y, t].
-    pub(crate) fn rates(&self, z: &[f64; SPATIAL_VARIABLES], kappa: f64) -> [f64; SPATIAL_RATES] {
-        let (model, blend) = self.at(z[A]);
+    pub(crate) fn rates(
+        &self,
+        mode: Mode,
+        z: &[f64; SPATIAL_VARIABLES],
+        kappa: f64,
+    ) -> [f64; SPATIAL_RATES] {
+        let (model, blend) = self.at(mode, z[A]);
         let rates = model.spatial_rates(z, kappa);
         let Some((brake, [share, ..])) = blend else { return rates };
         let other = brake.spatial_rates(z, kappa);
@@ -68,8 +91,13 @@ impl Dynamics {
     }
 
     /// The rates with first and second derivatives.
-    pub(crate) fn expansion(&self, z: &[f64; SPATIAL_VARIABLES], kappa: f64) -> SpatialExpansion {
-        let (model, blend) = self.at(z[A]);
+    pub(crate) fn expansion(
+        &self,
+        mode: Mode,
+        z: &[f64; SPATIAL_VARIABLES],
+        kappa: f64,
+    ) -> SpatialExpansion {
+        let (model, blend) = self.at(mode, z[A]);
         let mut out = model.spatial_expansion(z, kappa);
         let Some((brake, [share, slope, curvature])) = blend else { return out };
         let other = brake.spatial_expansion(z, kappa);
@@ -109,12 +137,15 @@ mod tests {
     fn the_blend_is_differentiated_exactly() {
         let dynamics = Dynamics::new(&CarParams::builtin("iac").unwrap(), 0.05);
         let z = [40.0, -0.5, 0.3, 0.02, 1.0, 0.02, 0.03];
-        let exact = dynamics.expansion(&z, 0.01);
+        let exact = dynamics.expansion(Mode::Either, &z, 0.01);
         for i in 0..SPATIAL_VARIABLES {
             let at = |step: f64| {
                 let mut moved = z;
                 moved[i] += step;
-                (dynamics.rates(&moved, 0.01), dynamics.expansion(&moved, 0.01).jacobian)
+                (
+                    dynamics.rates(Mode::Either, &moved, 0.01),
+                    dynamics.expansion(Mode::Either, &moved, 0.01).jacobian,
+                )
             };
             let h = 1e-5;
             let (ahead, behind) = (at(h), at(-h));

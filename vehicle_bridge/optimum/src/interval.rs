@@ -4,7 +4,7 @@
 use nalgebra::{SMatrix, SVector};
 use vehicle_model::{SPATIAL_RATES, SpatialExpansion};
 
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Mode};
 
 /// Variables of a node: [v_x, v_y, omega_z, e_psi, e_y, a, delta].
 pub(crate) const NZ: usize = 7;
@@ -27,6 +27,8 @@ pub(crate) struct Interval {
     pub(crate) length: f64,
     /// Curvature just inside its beginning, in its middle and just inside its end \[1/m\].
     pub(crate) kappa: [f64; 3],
+    /// What the car does in it.
+    pub(crate) mode: Mode,
 }
 
 /// Defects and time of an interval.
@@ -36,6 +38,8 @@ pub(crate) struct Values {
     pub(crate) defect: Defect,
     /// Time from end to end \[s\].
     pub(crate) time: f64,
+    /// dt/ds at beginning and end \[s/m\].
+    pub(crate) pace: [f64; 2],
 }
 
 /// Defects and time of an interval with what their derivatives need; index 0 is the node at its
@@ -48,7 +52,7 @@ pub(crate) struct Derivatives {
     points: [SpatialExpansion; 3],
     /// Derivatives of the middle point by the nodes.
     middle: [Block; 2],
-    length: f64,
+    pub(crate) length: f64,
 }
 
 /// Second derivatives of an interval's part of the Lagrangian: by the node at its beginning, by
@@ -78,14 +82,15 @@ fn middle(z: [&Node; 2], rates: [&Rates; 2], length: f64) -> Node {
 fn simpson(z: [&Node; 2], rates: [&Rates; 3], length: f64) -> Values {
     let integral = (rates[0] + rates[1] * 4.0 + rates[2]) * (length / 6.0);
     let change = states(z[1]) - states(z[0]);
-    Values { defect: change - integral.fixed_rows::<NS>(0), time: integral[TIME] }
+    let pace = [rates[0][TIME], rates[2][TIME]];
+    Values { defect: change - integral.fixed_rows::<NS>(0), time: integral[TIME], pace }
 }
 
 impl Interval {
     /// Defects and time between two nodes; `None` where the car does not go forward.
     pub(crate) fn values(&self, model: &Dynamics, z: [&Node; 2]) -> Option<Values> {
         let rates = |z: &Node, kappa: f64| -> Option<Rates> {
-            let rates = Rates::from(model.rates(&(*z).into(), kappa));
+            let rates = Rates::from(model.rates(self.mode, &(*z).into(), kappa));
             (rates[TIME] > 0.0 && rates.iter().all(|rate| rate.is_finite())).then_some(rates)
         };
         let begin = rates(z[0], self.kappa[0])?;
@@ -94,9 +99,23 @@ impl Interval {
         Some(simpson(z, [&begin, &between, &end], self.length))
     }
 
+    /// The node at the share `t` of the way between two nodes, on the cubic with their rates.
+    pub(crate) fn between(&self, model: &Dynamics, z: [&Node; 2], t: f64) -> Node {
+        let begin = model.rates(self.mode, &(*z[0]).into(), self.kappa[0]);
+        let end = model.rates(self.mode, &(*z[1]).into(), self.kappa[2]);
+        let rest = 1.0 - t;
+        let mut node = z[0] + (z[1] - z[0]) * t;
+        for i in 0..NS {
+            let chord = z[1][i] - z[0][i];
+            let (from, to) = (self.length * begin[i] - chord, self.length * end[i] - chord);
+            node[i] += t * rest * (rest * from - t * to);
+        }
+        node
+    }
+
     /// Defects and time with their derivatives.
     pub(crate) fn derivatives(&self, model: &Dynamics, z: [&Node; 2]) -> Derivatives {
-        let at = |z: &Node, kappa: f64| model.expansion(&(*z).into(), kappa);
+        let at = |z: &Node, kappa: f64| model.expansion(self.mode, &(*z).into(), kappa);
         let (begin, end) = (at(z[0], self.kappa[0]), at(z[1], self.kappa[2]));
         let rates = |point: &SpatialExpansion| Rates::from(point.value);
         let between_z = middle(z, [&rates(&begin), &rates(&end)], self.length);
@@ -128,8 +147,19 @@ impl Interval {
 }
 
 impl Derivatives {
-    /// Second derivatives of `on_time` times the time plus `on_defect` times the defects.
-    pub(crate) fn curvature(&self, on_time: f64, on_defect: &Defect) -> Curvature {
+    /// Slope of the pace at beginning (0) or end (1) by the node there.
+    pub(crate) fn pace_slope(&self, end: usize) -> Node {
+        Node::from(self.points[2 * end].jacobian[TIME])
+    }
+
+    /// Second derivatives of `on_time` times the time plus `on_pace` times the pace at both ends
+    /// plus `on_defect` times the defects.
+    pub(crate) fn curvature(
+        &self,
+        on_time: f64,
+        on_pace: [f64; 2],
+        on_defect: &Defect,
+    ) -> Curvature {
         let share = self.length / 6.0;
         let mut weights = Rates::zeros();
         for i in 0..NS {
@@ -147,8 +177,11 @@ impl Derivatives {
         for i in 0..NS {
             through[i] = self.length / 8.0 * slope[i];
         }
-        let begin = curvature_at(&self.points[0], &(weights + through));
-        let end = curvature_at(&self.points[2], &(weights - through));
+        let (mut at_begin, mut at_end) = (weights + through, weights - through);
+        at_begin[TIME] += on_pace[0];
+        at_end[TIME] += on_pace[1];
+        let begin = curvature_at(&self.points[0], &at_begin);
+        let end = curvature_at(&self.points[2], &at_end);
         let [from_begin, from_end] = &self.middle;
         Curvature {
             begin: begin + from_begin.transpose() * inner * from_begin,

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use vehicle_model::Track;
 
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Mode};
 
 use crate::interval::{Interval, NS, Node};
 
@@ -44,7 +44,12 @@ pub(crate) fn intervals(track: &Track, places: &[f64]) -> Vec<Interval> {
         .map(|(&s, end)| {
             let length = end - s;
             let at = |share: f64| kappa(s + share * length);
-            Interval { s, length, kappa: [at(INSIDE), at(0.5), at(1.0 - INSIDE)] }
+            Interval {
+                s,
+                length,
+                kappa: [at(INSIDE), at(0.5), at(1.0 - INSIDE)],
+                mode: Mode::Either,
+            }
         })
         .collect()
 }
@@ -61,7 +66,8 @@ pub(crate) fn deviation(
         let share = share.clamp(INSIDE, 1.0 - INSIDE);
         let mut node = z[0] + (z[1] - z[0]) * share;
         node.fixed_rows_mut::<NS>(0).copy_from(x);
-        let rates = model.rates(&node.into(), kappa(interval.s + share * interval.length));
+        let rates =
+            model.rates(interval.mode, &node.into(), kappa(interval.s + share * interval.length));
         SVector::<f64, NS>::from_fn(|i, _| rates[i])
     };
     let h = interval.length / f64::from(CHECKS);

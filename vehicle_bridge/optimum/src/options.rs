@@ -22,7 +22,7 @@ impl Options {
     /// The usual options with this margin \[m\].
     #[must_use]
     pub fn new(margin: f64) -> Self {
-        Self { margin, defect: 1e-3, starts: 3, intervals: 8000, steps: 400 }
+        Self { margin, defect: 1e-4, starts: 3, intervals: 8000, steps: 400 }
     }
 }
 

@@ -103,7 +103,12 @@ impl Problem {
             self.cost_of_time * values.time + 0.5 * self.cost_of_change * change.norm_squared();
         let states = self.scale.fixed_rows::<NS>(0);
         out.defects.push(values.defect.component_div(&states));
-        out.inequalities.extend(self.rules.values(ends, values, &self.scale));
+        out.inequalities.extend(self.rules.values(
+            ends,
+            self.intervals[k].length,
+            values,
+            &self.scale,
+        ));
     }
 
     /// Values and slopes at scaled nodes.
@@ -148,11 +153,13 @@ impl Problem {
             let ends = [&at.nodes[k], &at.nodes[next]];
             let mut more =
                 Curvature { begin: Block::zeros(), mixed: Block::zeros(), end: Block::zeros() };
-            let mut on_time = self.cost_of_time;
+            let mut on_pace = [0.0; 2];
             for (index, y) in y[k * rules..(k + 1) * rules].iter().enumerate() {
-                on_time += self.rules.curvature(index, -y, ends, d, &self.scale, &mut more);
+                let (end, weight) =
+                    self.rules.curvature(index, -y, ends, d, &self.scale, &mut more);
+                on_pace[end] += weight;
             }
-            let own = d.curvature(on_time, &lambda[k].component_div(&states));
+            let own = d.curvature(self.cost_of_time, on_pace, &lambda[k].component_div(&states));
             out.nodes[k] += self.scale_block(&(own.begin + more.begin));
             out.nodes[next] += self.scale_block(&(own.end + more.end));
             let mut mixed = self.scale_block(&(own.mixed + more.mixed));

@@ -7,16 +7,25 @@ use crate::interval::{Block, Curvature, Derivatives, NZ, Node, Values};
 /// Index of the first input among the variables of a node.
 const INPUTS: usize = 5;
 
-/// A limit that holds in every interval. The inputs are positions of the actuators, linear in s.
+/// A limit that holds in every interval, at its beginning (`end` 0) or its end (1). The inputs are
+/// positions of the actuators, linear in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Rule {
-    /// The position moves at most so fast: time * rate +- change >= 0.
-    Rate { variable: usize, sign: f64, rate: f64 },
-    /// The command that moves a lagging actuator stays below (sign -1) or above (sign 1) its
-    /// stop: time/lag * distance of the mean position from the stop +- change >= 0.
-    Lag { variable: usize, sign: f64, lag: f64, stop: f64 },
+    /// An actuator moves, down (sign 1) or up (sign -1), at most so fast as it does at the given
+    /// end: length * pace * speed +- change >= 0.
+    Moves { variable: usize, end: usize, sign: f64, speed: Speed },
     /// Driving power at the beginning of the interval: 1 - a v_x/limit >= 0.
     Power { limit: f64 },
+}
+
+/// Largest speed of an actuator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Speed {
+    /// A limit of the rate.
+    Rate(f64),
+    /// Of an actuator that lags behind a command between its stops: the distance to the stop
+    /// ahead divided by the lag.
+    Lag { lag: f64, stop: f64 },
 }
 
 /// All limits of a car.
@@ -33,11 +42,12 @@ impl Rules {
         for (i, (stops, rate)) in stops.iter().zip(rates).enumerate() {
             let variable = INPUTS + i;
             for (sign, stop) in [(-1.0, stops[1]), (1.0, stops[0])] {
-                if let Some(rate) = rate {
-                    rules.push(Rule::Rate { variable, sign, rate });
-                }
-                if car.actuator_lag > 0.0 {
-                    rules.push(Rule::Lag { variable, sign, lag: car.actuator_lag, stop });
+                let lag = car.actuator_lag;
+                let by_lag = (lag > 0.0).then_some(Speed::Lag { lag, stop });
+                for speed in rate.map(Speed::Rate).into_iter().chain(by_lag) {
+                    for end in 0..2 {
+                        rules.push(Rule::Moves { variable, end, sign, speed });
+                    }
                 }
             }
         }
@@ -52,23 +62,25 @@ impl Rules {
         self.rules.len()
     }
 
-    /// Values of the inequalities of an interval that takes `time`.
+    /// Values of the inequalities of an interval of this length.
     pub(crate) fn values<'a>(
         &'a self,
         z: [&'a Node; 2],
+        length: f64,
         values: &'a Values,
         scale: &'a Node,
     ) -> impl Iterator<Item = f64> + 'a {
-        self.rules.iter().map(move |rule| match rule {
+        self.rules.iter().map(move |rule| match *rule {
             Rule::Power { limit } => 1.0 - z[0][0] * z[0][INPUTS] / limit,
-            Rule::Rate { variable, sign, .. } | Rule::Lag { variable, sign, .. } => {
-                let change = z[1][*variable] - z[0][*variable];
-                (values.time * rule.speed(z).0 + sign * change) / scale[*variable]
+            Rule::Moves { variable, end, sign, speed } => {
+                let (speed, _) = speed.at(z[end][variable], sign);
+                let change = z[1][variable] - z[0][variable];
+                (length * values.pace[end] * speed + sign * change) / scale[variable]
             }
         })
     }
 
-    /// Slope of inequality `index` of an interval.
+    /// Slope of inequality `index` of an interval by both nodes.
     pub(crate) fn slope(
         &self,
         index: usize,
@@ -76,28 +88,26 @@ impl Rules {
         interval: &Derivatives,
         scale: &Node,
     ) -> [Node; 2] {
-        let rule = &self.rules[index];
-        let (variable, sign) = match *rule {
+        let mut slope = [Node::zeros(); 2];
+        match self.rules[index] {
             Rule::Power { limit } => {
-                let mut gradient = [Node::zeros(); 2];
-                gradient[0][0] = -z[0][INPUTS] / limit;
-                gradient[0][INPUTS] = -z[0][0] / limit;
-                return gradient;
+                slope[0][0] = -z[0][INPUTS] / limit;
+                slope[0][INPUTS] = -z[0][0] / limit;
+                slope
             }
-            Rule::Rate { variable, sign, .. } | Rule::Lag { variable, sign, .. } => {
-                (variable, sign)
+            Rule::Moves { variable, end, sign, speed } => {
+                let (speed, by_position) = speed.at(z[end][variable], sign);
+                slope[end] = interval.pace_slope(end) * (interval.length * speed);
+                slope[end][variable] += interval.length * interval.values.pace[end] * by_position;
+                slope[0][variable] -= sign;
+                slope[1][variable] += sign;
+                slope.map(|slope| slope / scale[variable])
             }
-        };
-        let (speed, by_position) = rule.speed(z);
-        let time = interval.values.time;
-        let mut gradient = interval.time.map(|slope| slope * speed);
-        gradient[0][variable] += time * by_position - sign;
-        gradient[1][variable] += time * by_position + sign;
-        gradient.map(|slope| slope / scale[variable])
+        }
     }
 
-    /// Weight that `multiplier` times inequality `index` puts on the interval's time, and what
-    /// else its curvature has, which is added.
+    /// The end whose pace `multiplier` times inequality `index` puts a weight on, and that weight;
+    /// what else its curvature has is added to `sum`.
     pub(crate) fn curvature(
         &self,
         index: usize,
@@ -106,41 +116,33 @@ impl Rules {
         interval: &Derivatives,
         scale: &Node,
         sum: &mut Curvature,
-    ) -> f64 {
-        let rule = &self.rules[index];
-        let variable = match *rule {
+    ) -> (usize, f64) {
+        match self.rules[index] {
             Rule::Power { limit } => {
                 sum.begin[(0, INPUTS)] -= multiplier / limit;
                 sum.begin[(INPUTS, 0)] -= multiplier / limit;
-                return 0.0;
+                (0, 0.0)
             }
-            Rule::Rate { variable, .. } | Rule::Lag { variable, .. } => variable,
-        };
-        let (speed, by_position) = rule.speed(z);
-        let weight = multiplier / scale[variable];
-        if by_position != 0.0 {
-            let [begin, end] = interval.time.map(|slope| slope * (weight * by_position));
-            add_cross(&mut sum.begin, &begin, variable);
-            add_cross(&mut sum.end, &end, variable);
-            for i in 0..NZ {
-                sum.mixed[(i, variable)] += begin[i];
-                sum.mixed[(variable, i)] += end[i];
+            Rule::Moves { variable, end, sign, speed } => {
+                let (speed, by_position) = speed.at(z[end][variable], sign);
+                let weight = multiplier * interval.length / scale[variable];
+                if by_position != 0.0 {
+                    let slope = interval.pace_slope(end) * (weight * by_position);
+                    let block = if end == 0 { &mut sum.begin } else { &mut sum.end };
+                    add_cross(block, &slope, variable);
+                }
+                (end, weight * speed)
             }
         }
-        weight * speed
     }
 }
 
-impl Rule {
-    /// Allowed speed of the position, and its derivative by the position of either node.
-    fn speed(&self, z: [&Node; 2]) -> (f64, f64) {
-        match *self {
-            Self::Rate { rate, .. } => (rate, 0.0),
-            Self::Lag { variable, sign, lag, stop } => {
-                let mean = f64::midpoint(z[0][variable], z[1][variable]);
-                (sign * (mean - stop) / lag, 0.5 * sign / lag)
-            }
-            Self::Power { .. } => (0.0, 0.0),
+impl Speed {
+    /// The speed at a position, and its derivative by the position.
+    fn at(self, position: f64, sign: f64) -> (f64, f64) {
+        match self {
+            Self::Rate(rate) => (rate, 0.0),
+            Self::Lag { lag, stop } => (sign * (position - stop) / lag, sign / lag),
         }
     }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use vehicle_model::{CarParams, Input, ModelError, State, Track};
 
 use crate::check;
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Mode};
 use crate::error::Error;
 use crate::interior_point::{self, Multipliers, Settings, Solved, Start};
-use crate::interval::{Interval, NS, Node};
+use crate::interval::{Defect, Interval, NS, Node};
 use crate::lap::{Optimum, Point, Quality};
 use crate::mesh::{self, Part};
 use crate::options::{Options, Progress};
@@ -17,17 +17,25 @@ use crate::rules::Rules;
 use crate::start;
 
 /// Violation of the scaled optimality conditions at which a solution ends.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-5;
+/// The same on the first mesh, and on meshes that are refined once more.
+const START_TOLERANCE: f64 = 1e-4;
+const ROUND_TOLERANCE: f64 = 3e-3;
+/// Share of the allowed defect that is the mesh's.
+const MESH_SHARE: f64 = 0.5;
 /// Barrier parameter a start begins with, and the solution on a finer mesh.
 const BARRIER: f64 = 0.1;
 const WARM_BARRIER: f64 = 1e-5;
-/// Width of the band between braking and driving on the first mesh, the least one, and by which
-/// factor it falls from mesh to mesh.
+/// Width of the band between braking and driving on the first mesh, and by which factor it falls from mesh to mesh.
 const BAND: f64 = 0.2;
-const LEAST_BAND: f64 = 1e-3;
-const BAND_FALL: f64 = 0.2;
-/// Index of e_y among the variables of a node.
+const BAND_FALL: f64 = 0.25;
+/// Refinements with that band; from then on every interval either drives or brakes.
+const BLENDED_ROUNDS: usize = 1;
+/// How near to 0, as a share of its unit, a is where braking passes into driving.
+const PASSAGE: f64 = 1e-4;
+/// Indices of e_y and a among the variables of a node.
 const E_Y: usize = 4;
+const A: usize = 5;
 /// Largest heading error \[rad\].
 const MOST_E_PSI: f64 = 1.3;
 /// Cost of the squared change of the inputs over an interval; the mean cost of an interval is 1.
@@ -70,7 +78,7 @@ pub fn solve_with_progress(
     for index in 0..options.starts {
         let problem = case.problem(&first, BAND)?;
         let start = case.start(&problem, index);
-        let settings = Settings { tolerance: TOLERANCE, mu: BARRIER, steps: options.steps };
+        let settings = Settings { tolerance: START_TOLERANCE, mu: BARRIER, steps: options.steps };
         let solved = interior_point::solve(&problem, &start, &settings);
         let time = solved.as_ref().map(|s| s.cost / problem.cost_of_time);
         let good = solved.as_ref().is_some_and(|s| s.converged);
@@ -172,8 +180,16 @@ impl<'a> Case<'a> {
             let speed = if side == 0 { slowest } else { free };
             edges
                 .iter()
-                .map(|edge| {
-                    let [a, delta] = self.stops;
+                .enumerate()
+                .map(|(k, edge)| {
+                    let [mut a, delta] = self.stops;
+                    let passage = PASSAGE * scale[A];
+                    match (intervals[(k + n - 1) % n].mode, intervals[k].mode) {
+                        (Mode::Either, _) | (_, Mode::Either) => {}
+                        (Mode::Drive, Mode::Drive) => a[0] = 0.0,
+                        (Mode::Brake, Mode::Brake) => a[1] = 0.0,
+                        _ => a = [-passage, passage],
+                    }
                     let psi = sign * MOST_E_PSI;
                     let z =
                         [speed, sign * free, sign * free, psi, edge[side], a[side], delta[side]];
@@ -227,16 +243,16 @@ impl<'a> Case<'a> {
         Start { z, multipliers: None }
     }
 
-    /// Solves on finer meshes until fine integration agrees.
+    /// Solves on finer meshes until fine integration agrees, then to full accuracy.
     fn refine(
         &self,
         mut problem: Problem,
         mut solved: Solved,
         progress: &mut impl FnMut(Progress),
     ) -> Result<(Problem, Solved), Error> {
-        let tolerance = 0.3 * self.options.defect;
+        let tolerance = MESH_SHARE * self.options.defect;
         let mut band = BAND;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let errors = self.errors(&problem, &solved.z);
             let worst = errors.iter().copied().fold(0.0, f64::max);
             progress(Progress::Refined {
@@ -245,33 +261,48 @@ impl<'a> Case<'a> {
                 lap_time: times(&problem, &solved.z).iter().sum(),
                 defect: worst,
             });
-            let smooth = self.car.drive_front == self.car.brake_front;
-            if worst <= tolerance && (smooth || band <= LEAST_BAND) {
-                break;
+            let sure = problem.model.is_smooth() || round > BLENDED_ROUNDS;
+            let accurate = solved.error <= TOLERANCE;
+            if worst <= tolerance && sure {
+                if accurate {
+                    return Ok((problem, solved));
+                }
+                solved = self.again(&problem, &solved.start(), TOLERANCE)?;
+                continue;
             }
-            band = (BAND_FALL * band).max(LEAST_BAND);
-            let (fine, parts) = mesh::refined(self.track, &problem.intervals, &errors, tolerance);
+            band *= BAND_FALL;
+            let (mut fine, parts) =
+                mesh::refined(self.track, &problem.intervals, &errors, tolerance);
             if fine.len() > self.options.intervals {
                 break;
             }
+            if !problem.model.is_smooth() && round >= BLENDED_ROUNDS {
+                for (interval, part) in fine.iter_mut().zip(&parts) {
+                    interval.mode = mode(&problem, &solved, part);
+                }
+            }
             let next = self.problem(&fine, band)?;
             let start = between(&problem, &solved, &next, &parts);
-            let steps = self.options.steps;
-            let settings = Settings { tolerance: TOLERANCE, mu: WARM_BARRIER, steps };
-            match interior_point::solve(&next, &start, &settings) {
-                Some(finer) if finer.converged => (problem, solved) = (next, finer),
-                Some(finer) => {
-                    return Err(Error::NotConverged {
-                        starts: 1,
-                        error: finer.error,
-                        tolerance: TOLERANCE,
-                        lap_time: finer.cost / next.cost_of_time,
-                    });
-                }
-                None => break,
-            }
+            let goal = if round <= BLENDED_ROUNDS { ROUND_TOLERANCE } else { TOLERANCE };
+            solved = self.again(&next, &start, goal)?;
+            problem = next;
+        }
+        if solved.error > TOLERANCE {
+            solved = self.again(&problem, &solved.start(), TOLERANCE)?;
         }
         Ok((problem, solved))
+    }
+
+    /// Solves from near the solution.
+    fn again(&self, problem: &Problem, start: &Start, tolerance: f64) -> Result<Solved, Error> {
+        let settings = Settings { tolerance, mu: WARM_BARRIER, steps: self.options.steps };
+        let failed =
+            |error, lap_time| Error::NotConverged { starts: 1, error, tolerance, lap_time };
+        match interior_point::solve(problem, start, &settings) {
+            Some(solved) if solved.converged => Ok(solved),
+            Some(solved) => Err(failed(solved.error, solved.cost / problem.cost_of_time)),
+            None => Err(failed(f64::INFINITY, f64::NAN)),
+        }
     }
 
     /// Scaled deviation of fine integration over each interval.
@@ -282,7 +313,7 @@ impl<'a> Case<'a> {
                 let ends = [&nodes[k], &nodes[problem.after(k)]];
                 let interval = &problem.intervals[k];
                 let off = mesh::deviation(&problem.model, self.track, interval, ends);
-                off.component_div(&problem.scale.fixed_rows::<5>(0)).amax()
+                off.component_div(&defect_units(problem)).amax()
             })
             .collect()
     }
@@ -298,8 +329,8 @@ impl<'a> Case<'a> {
         let times = times(problem, &solved.z);
         let off = check::deviations(self.car, self.track, &problem.intervals, &nodes, &times)
             .map_err(Error::Car)?;
-        let scale = &problem.scale;
-        let scales = [scale[0], scale[1], scale[2], scale[3], scale[4], scale[4]];
+        let [v_x, v_y, omega_z, e_psi, e_y] = defect_units(problem).into();
+        let scales = [v_x, v_y, omega_z, e_psi, e_y, e_y];
         let (mut defect, mut worst, mut place) = ([0.0_f64; 6], 0.0_f64, 0.0);
         for (interval, off) in problem.intervals.iter().zip(&off) {
             for i in 0..6 {
@@ -333,6 +364,20 @@ impl<'a> Case<'a> {
     }
 }
 
+/// What defects are divided by: the mean speed for both velocities, the yaw rate of a car at its
+/// limit of grip, 1 rad, half the width between the margins.
+fn defect_units(problem: &Problem) -> Defect {
+    let scale = &problem.scale;
+    Defect::from([scale[0], scale[0], scale[2], 1.0, scale[E_Y]])
+}
+
+/// Whether the car drives or brakes in part of an interval.
+fn mode(problem: &Problem, solved: &Solved, part: &Part) -> Mode {
+    let (here, next) = (solved.z[part.of][A], solved.z[problem.after(part.of)][A]);
+    let middle = here + (next - here) * (part.begin + 0.5 * part.share);
+    if middle >= 0.0 { Mode::Drive } else { Mode::Brake }
+}
+
 /// A solution taken over to a finer mesh.
 fn between(coarse: &Problem, solved: &Solved, fine: &Problem, parts: &[Part]) -> Start {
     let known = &solved.multipliers;
@@ -346,13 +391,19 @@ fn between(coarse: &Problem, solved: &Solved, fine: &Problem, parts: &[Part]) ->
     };
     let density =
         |nodes: &[Node], part: &Part| at(nodes, part).component_div(&unit) * (cost * part.share);
+    let nodes: Vec<Node> = solved.z.iter().map(|z| coarse.unscaled(z)).collect();
+    let state = |part: &Part| {
+        let ends = [&nodes[part.of], &nodes[coarse.after(part.of)]];
+        let interval = &coarse.intervals[part.of];
+        interval.between(&coarse.model, ends, part.begin).component_div(&fine.scale)
+    };
     let lambda = |part: &Part| known.lambda[part.of].component_div(&states) * cost;
     let y = |part: &Part| {
         let own = known.y[part.of * rules..(part.of + 1) * rules].iter();
         own.map(|y| y * cost).collect::<Vec<f64>>()
     };
     Start {
-        z: parts.iter().map(|part| at(&solved.z, part).component_mul(&unit)).collect(),
+        z: parts.iter().map(state).collect(),
         multipliers: Some(Multipliers {
             lambda: parts.iter().map(lambda).collect(),
             y: parts.iter().flat_map(y).collect(),

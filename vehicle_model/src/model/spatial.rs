@@ -2,14 +2,14 @@
 //! second derivatives: what an optimisation along s needs.
 
 use super::{Held, Model};
-use crate::number::{Dual, Number};
+use crate::number::{Jet, Number};
 
 /// Number of quantities the rates depend on: [v_x, v_y, omega_z, e_psi, e_y, a, delta].
 pub const SPATIAL_VARIABLES: usize = 7;
 /// Number of rates: those of [v_x, v_y, omega_z, e_psi, e_y] and of the time.
 pub const SPATIAL_RATES: usize = 6;
 
-/// The rates per metre at a point with their derivatives, exact by dual numbers. Rows are the
+/// The rates per metre at a point with their derivatives, exact. Rows are the
 /// rates [v_x, v_y, omega_z, e_psi, e_y, t], directions [v_x, v_y, omega_z, e_psi, e_y, a, delta].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpatialExpansion {
@@ -33,16 +33,14 @@ impl Model {
     /// [`Model::spatial_rates`] with first and second derivatives.
     #[must_use]
     pub fn spatial_expansion(&self, z: &[f64; SPATIAL_VARIABLES], kappa: f64) -> SpatialExpansion {
-        type First = Dual<f64, SPATIAL_VARIABLES>;
-        type Second = Dual<First, SPATIAL_VARIABLES>;
-        let z: [Second; SPATIAL_VARIABLES] =
-            std::array::from_fn(|i| Dual::direction(First::direction(z[i], i), i));
-        let grip = self.grip.map(|grip| Dual::fixed(First::fixed(grip)));
-        let rates = self.spatial_generic(&z, kappa, &grip);
+        type Second = Jet<SPATIAL_VARIABLES, { SPATIAL_VARIABLES * (SPATIAL_VARIABLES + 1) / 2 }>;
+        let z: [Second; SPATIAL_VARIABLES] = std::array::from_fn(|i| Jet::direction(z[i], i));
+        let rates = self.spatial_generic(&z, kappa, &self.grip.map(Jet::fixed));
         SpatialExpansion {
-            value: rates.map(|rate| rate.value.value),
-            jacobian: rates.map(|rate| rate.value.gradient),
-            hessian: rates.map(|rate| rate.gradient.map(|row| row.gradient)),
+            value: rates.map(|rate| rate.value),
+            jacobian: rates.map(|rate| rate.gradient),
+            hessian: rates
+                .map(|rate| std::array::from_fn(|i| std::array::from_fn(|j| rate.second(i, j)))),
         }
     }
 

@@ -39,10 +39,19 @@ pub(crate) struct Solved {
     pub(crate) converged: bool,
 }
 
+impl Solved {
+    /// A start from here.
+    pub(crate) fn start(&self) -> Start {
+        Start { z: self.z.clone(), multipliers: Some(self.multipliers.clone()) }
+    }
+}
+
 /// Violation that will do where steps no longer improve it.
-const ACCEPTABLE: f64 = 1e-4;
+const ACCEPTABLE: f64 = 1e-5;
 /// Steps below it in a row after which the run ends.
 const ACCEPTABLE_STEPS: usize = 12;
+/// Barrier parameter that is always reached.
+const LEAST_BARRIER: f64 = 1e-5;
 /// Barrier problems are solved to this multiple of their parameter.
 const BARRIER_SHARE: f64 = 10.0;
 /// Share of distances from bounds that a step may use up.
@@ -95,12 +104,19 @@ impl<'a> Run<'a> {
             self.lower_barrier();
             if !self.advance() {
                 let error = self.x.error(self.problem, &self.at, 0.0);
-                return Some(self.done(error, steps, error < ACCEPTABLE));
+                let converged = error < self.most();
+                return Some(self.done(error, steps, converged));
             }
         }
         let error = self.x.error(self.problem, &self.at, 0.0);
         let steps = self.settings.steps;
-        Some(self.done(error, steps, error < ACCEPTABLE))
+        let converged = error < self.most();
+        Some(self.done(error, steps, converged))
+    }
+
+    /// Violation below which the end of a run is a solution.
+    fn most(&self) -> f64 {
+        ACCEPTABLE.max(self.settings.tolerance)
     }
 
     fn done(self, error: f64, steps: usize, converged: bool) -> Solved {
@@ -112,7 +128,7 @@ impl<'a> Run<'a> {
 
     /// Goes on to the next barrier problem where this one is solved.
     fn lower_barrier(&mut self) {
-        let least = 0.1 * self.settings.tolerance;
+        let least = (0.1 * self.settings.tolerance).min(LEAST_BARRIER);
         while self.mu > least
             && self.x.error(self.problem, &self.at, self.mu) <= BARRIER_SHARE * self.mu
         {

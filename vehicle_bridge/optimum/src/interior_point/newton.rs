@@ -12,6 +12,8 @@ const LEAST: f64 = 1e-9;
 const MOST: f64 = 1e12;
 const GROWTH: f64 = 5.0;
 const FALL: f64 = 0.25;
+/// Regularisation below which none is tried first.
+const NEGLIGIBLE: f64 = 1e-5;
 /// Regularisation of the multipliers.
 const DUAL: f64 = 1e-10;
 /// Multipliers estimated above this are dropped.
@@ -40,7 +42,8 @@ impl Newton {
         add_barrier(problem, x, at, &mut hessian);
         let rest = residuals(x, &at.values);
         let (r_z, r_c) = (right_side(problem, x, at, mu, &rest), minus(&at.values.defects));
-        let mut delta = 0.0;
+        // Where the last step was regularised, so is this one most likely: no factors are wasted.
+        let mut delta = if self.last > NEGLIGIBLE { FALL * self.last } else { 0.0 };
         while delta < MOST {
             let blocks = Blocks {
                 nodes: &hessian.nodes,
@@ -52,9 +55,7 @@ impl Newton {
             if self.kkt.factorise(&blocks)
                 && let Some((dz, dlambda)) = self.kkt.solve(&r_z, &r_c)
             {
-                if delta > 0.0 {
-                    self.last = delta;
-                }
+                self.last = delta;
                 let step = complete(problem, x, at, mu, &rest, dz, dlambda);
                 let slope = slope(problem, x, at, mu, &step);
                 return Some((step, slope));
