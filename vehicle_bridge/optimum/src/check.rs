@@ -8,7 +8,7 @@ use crate::interval::{Interval, Node};
 
 /// Steps of the plant in one interval; the last one is cut into as many again, so that little of
 /// the last look-up of the curvature falls behind the interval's end.
-const STEPS: u32 = 50;
+const STEPS: u32 = 150;
 
 /// Deviations of the plant from the end of each interval it drives from its beginning:
 /// [v_x, v_y, omega_z, e_psi, s, e_y].

@@ -38,9 +38,17 @@ type Share = [f64; 3];
 impl Dynamics {
     /// `band` is half its width as a share of the weaker of both limits of a.
     pub(crate) fn new(car: &CarParams, band: f64) -> Self {
+        // Limits of engine and brakes are constraints of the program: inside the equations they
+        // would be kinks right where the solution lies.
+        let free = CarParams {
+            power_max: None,
+            drive_force_max: None,
+            brake_force_max: None,
+            ..car.clone()
+        };
         let model = |car: CarParams| Model::new(ModelKind::Dynamic, car);
-        let drive = CarParams { brake_front: car.drive_front, ..car.clone() };
-        let brake = CarParams { drive_front: car.brake_front, ..car.clone() };
+        let drive = CarParams { brake_front: car.drive_front, ..free.clone() };
+        let brake = CarParams { drive_front: car.brake_front, ..free };
         Self {
             drive: model(drive),
             brake: (car.drive_front != car.brake_front).then(|| model(brake)),

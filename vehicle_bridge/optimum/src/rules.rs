@@ -14,8 +14,9 @@ enum Rule {
     /// An actuator moves, down (sign 1) or up (sign -1), at most so fast as it does at the given
     /// end: length * pace * speed +- change >= 0.
     Moves { variable: usize, end: usize, sign: f64, speed: Speed },
-    /// Driving power at the beginning of the interval: 1 - a v_x/limit >= 0.
-    Power { limit: f64 },
+    /// Driving power at the beginning of the interval, or in its middle, between the nodes' means:
+    /// 1 - a v_x/limit >= 0.
+    Power { limit: f64, share: [f64; 2] },
 }
 
 /// Largest speed of an actuator.
@@ -52,7 +53,9 @@ impl Rules {
             }
         }
         if let Some(power) = car.power_max {
-            rules.push(Rule::Power { limit: power / car.mass });
+            let limit = power / car.mass;
+            rules.push(Rule::Power { limit, share: [1.0, 0.0] });
+            rules.push(Rule::Power { limit, share: [0.5, 0.5] });
         }
         Self { rules }
     }
@@ -71,7 +74,10 @@ impl Rules {
         scale: &'a Node,
     ) -> impl Iterator<Item = f64> + 'a {
         self.rules.iter().map(move |rule| match *rule {
-            Rule::Power { limit } => 1.0 - z[0][0] * z[0][INPUTS] / limit,
+            Rule::Power { limit, share } => {
+                let at = z[0] * share[0] + z[1] * share[1];
+                1.0 - at[0] * at[INPUTS] / limit
+            }
             Rule::Moves { variable, end, sign, speed } => {
                 let (speed, _) = speed.at(z[end][variable], sign);
                 let change = z[1][variable] - z[0][variable];
@@ -90,9 +96,12 @@ impl Rules {
     ) -> [Node; 2] {
         let mut slope = [Node::zeros(); 2];
         match self.rules[index] {
-            Rule::Power { limit } => {
-                slope[0][0] = -z[0][INPUTS] / limit;
-                slope[0][INPUTS] = -z[0][0] / limit;
+            Rule::Power { limit, share } => {
+                let at = z[0] * share[0] + z[1] * share[1];
+                for (slope, share) in slope.iter_mut().zip(share) {
+                    slope[0] = -share * at[INPUTS] / limit;
+                    slope[INPUTS] = -share * at[0] / limit;
+                }
                 slope
             }
             Rule::Moves { variable, end, sign, speed } => {
@@ -118,9 +127,16 @@ impl Rules {
         sum: &mut Curvature,
     ) -> (usize, f64) {
         match self.rules[index] {
-            Rule::Power { limit } => {
-                sum.begin[(0, INPUTS)] -= multiplier / limit;
-                sum.begin[(INPUTS, 0)] -= multiplier / limit;
+            Rule::Power { limit, share: [begin, end] } => {
+                let blocks = [
+                    (&mut sum.begin, begin * begin),
+                    (&mut sum.mixed, begin * end),
+                    (&mut sum.end, end * end),
+                ];
+                for (block, share) in blocks {
+                    block[(0, INPUTS)] -= share * multiplier / limit;
+                    block[(INPUTS, 0)] -= share * multiplier / limit;
+                }
                 (0, 0.0)
             }
             Rule::Moves { variable, end, sign, speed } => {
