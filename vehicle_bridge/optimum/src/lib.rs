@@ -8,6 +8,7 @@
 //! The car's inputs may change at any time here, while a controller holds them over its period.
 #![forbid(unsafe_code)]
 
+mod case;
 mod check;
 mod dynamics;
 mod error;
@@ -17,6 +18,7 @@ mod lap;
 mod mesh;
 mod options;
 mod problem;
+mod refine;
 mod rules;
 mod solve;
 mod start;

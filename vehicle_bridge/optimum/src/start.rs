@@ -8,6 +8,36 @@ use crate::interval::{Interval, Node};
 /// Rounds of the speed profile, so that its end fits its beginning.
 const ROUNDS: usize = 3;
 
+/// Half the length over which the curvature is averaged, in widths of the lane.
+const REACH: f64 = 3.0;
+
+/// A line that goes to the inside of bends by the share `inside` of the room between the edges
+/// [right, left].
+pub(crate) fn line(intervals: &[Interval], edges: &[[f64; 2]], inside: f64) -> Vec<f64> {
+    let n = intervals.len();
+    let length: f64 = intervals.iter().map(|i| i.length).sum();
+    let width = edges.iter().map(|e| e[1] - e[0]).sum::<f64>() / n as f64;
+    let count = ((REACH * width / length * n as f64).ceil() as usize).clamp(1, n / 2);
+    let average = |values: &[f64]| -> Vec<f64> {
+        (0..n)
+            .map(|k| {
+                let near = (0..=2 * count).map(|i| values[(k + n + i - count) % n]);
+                near.sum::<f64>() / (2 * count + 1) as f64
+            })
+            .collect()
+    };
+    let bends = average(&intervals.iter().map(|i| i.kappa[1]).collect::<Vec<f64>>());
+    let sharp = bends.iter().fold(f64::MIN_POSITIVE, |most, kappa| kappa.abs().max(most));
+    let wanted: Vec<f64> = (0..n)
+        .map(|k| {
+            let part = inside * (2.0 * bends[k] / sharp).clamp(-1.0, 1.0);
+            0.0_f64.clamp(edges[k][0], edges[k][1]) + 0.5 * part * (edges[k][1] - edges[k][0])
+        })
+        .collect();
+    let smooth = average(&wanted);
+    (0..n).map(|k| smooth[k].clamp(edges[k][0], edges[k][1])).collect()
+}
+
 /// Nodes of a drive along `e_y` that uses this share of grip, engine and brakes.
 pub(crate) fn drive(
     car: &CarParams,
