@@ -142,3 +142,47 @@ impl Known {
         before[1] + part * (after[1] - before[1])
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+    use optimum::{Options, solve};
+    use std::sync::Arc;
+
+    fn small_car_on_l() -> (CarParams, Track) {
+        (CarParams::builtin("barc").unwrap(), Track::builtin("l").unwrap())
+    }
+
+    /// The lap that ships is the one the program finds today.
+    #[test]
+    fn the_shipped_lap_is_up_to_date_and_belongs_to_one_margin_only() {
+        let (car, track) = small_car_on_l();
+        let nowhere = Store { folder: PathBuf::from("there/is/no/such/folder") };
+        let known = nowhere.find(&car, &track, 0.1).unwrap();
+        let lap = solve(&car, &Arc::new(track.clone()), &Options::new(0.1)).unwrap();
+        assert!((known.lap_time_s - lap.lap_time).abs() < 1e-3);
+        assert!(known.points.windows(2).all(|p| p[0][0] < p[1][0] && p[0][1] < p[1][1]));
+        assert_eq!(nowhere.find(&car, &track, 0.2), None);
+        assert_eq!(nowhere.find(&car.with_mu(0.8), &track, 0.1), None);
+    }
+
+    #[test]
+    fn a_kept_lap_is_found_again_with_the_time_at_every_place() {
+        let car = CarParams::builtin("mini").unwrap();
+        let (_, track) = small_car_on_l();
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::of("l", Some(folder.path()));
+        assert_eq!(store.find(&car, &track, 0.1), None);
+        let lap = solve(&car, &Arc::new(track.clone()), &Options::new(0.1)).unwrap();
+        let path = store.save(&car, &track, 0.1, &lap).unwrap();
+        let known = store.find(&car, &track, 0.1).unwrap();
+        assert_eq!(known.lap_time_s.to_bits(), lap.lap_time.to_bits());
+        for point in &lap.points {
+            assert!((known.time_at(point.x.s) - point.time).abs() < 1e-5);
+        }
+        assert!(known.time_at(0.5 * track.length()) < lap.lap_time);
+        fs::write(path, "damaged").unwrap();
+        assert_eq!(store.find(&car, &track, 0.1), None);
+    }
+}

@@ -1,6 +1,7 @@
 //! The report of a race: one HTML file that needs nothing else.
 
 mod curves;
+mod lost;
 mod map;
 mod tables;
 
@@ -93,6 +94,10 @@ impl Report<'_> {
         let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(2), Vec::new());
         speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(3), Vec::new()));
         body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
+        if let Some(known) = optimal {
+            let note = "Against the time-optimal lap, from the line on.";
+            body.push_str(&card("Time lost", note, &lost::html(&views, known, along.length)));
+        }
         let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
         inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
         body.push_str(&card("Inputs over the lap", "", &inputs));
