@@ -115,15 +115,17 @@ impl Dynamics {
             let mut hessian = [[0.0; SPATIAL_VARIABLES]; SPATIAL_VARIABLES];
             let mut jacobian = [0.0; SPATIAL_VARIABLES];
             for i in 0..SPATIAL_VARIABLES {
-                for j in 0..SPATIAL_VARIABLES {
-                    let (own, old) = (out.hessian[row][i][j], other.hessian[row][i][j]);
-                    hessian[i][j] = old + share * (own - old);
+                let rows = out.hessian[row][i].iter().zip(&other.hessian[row][i]);
+                for (entry, (own, old)) in hessian[i].iter_mut().zip(rows) {
+                    *entry = old + share * (own - old);
                 }
                 jacobian[i] = other.jacobian[row][i] + share * by(i);
             }
-            for i in 0..SPATIAL_VARIABLES {
-                hessian[i][A] += slope * by(i);
-                hessian[A][i] += slope * by(i);
+            for (i, entries) in hessian.iter_mut().enumerate() {
+                entries[A] += slope * by(i);
+            }
+            for (i, entry) in hessian[A].iter_mut().enumerate() {
+                *entry += slope * by(i);
             }
             hessian[A][A] += curvature * difference;
             jacobian[A] += slope * difference;
@@ -141,7 +143,6 @@ mod tests {
 
     /// Inside the band, differences of values and of slopes give slopes and curvatures.
     #[test]
-    #[expect(clippy::unwrap_used, reason = "a test")]
     fn the_blend_is_differentiated_exactly() {
         let dynamics = Dynamics::new(&CarParams::builtin("iac").unwrap(), 0.05);
         let z = [40.0, -0.5, 0.3, 0.02, 1.0, 0.02, 0.03];

@@ -90,7 +90,7 @@ fn check_options(options: &Options) -> Result<(), Error> {
     if !(options.margin.is_finite() && options.margin >= 0.0) {
         return wrong("margin", options.margin.to_string(), "a distance of 0 or above");
     }
-    if !(options.defect > 0.0) {
+    if options.defect.is_nan() || options.defect <= 0.0 {
         return wrong("defect", options.defect.to_string(), "a number above 0");
     }
     if !(1..=Options::MOST_STARTS).contains(&options.starts) {
@@ -117,11 +117,11 @@ impl Case<'_> {
             }
             // A deviation that is not a number must not pass.
             let off = scaled(off, problem);
-            if !(off <= worst) {
+            if off.is_nan() || off > worst {
                 (worst, place) = (off, interval.s);
             }
         }
-        if !(worst <= self.options.defect) {
+        if worst.is_nan() || worst > self.options.defect {
             let tolerance = self.options.defect;
             return Err(Error::Defect { defect: worst, s: place, tolerance });
         }

@@ -144,7 +144,6 @@ impl Known {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test")]
 mod tests {
     use super::*;
     use optimum::{Options, solve};

@@ -68,7 +68,6 @@ mod tests {
 
     /// Differences of the values give the Jacobian, differences of the Jacobian the Hessian.
     #[test]
-    #[expect(clippy::unwrap_used, reason = "a test")]
     fn derivatives_agree_with_central_differences() {
         for name in CarParams::builtin_names() {
             let car = CarParams::builtin(name).unwrap();

@@ -128,8 +128,7 @@ impl Kkt {
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, step)| x + step).collect();
             let rest = residual_of(&self.matrix, &moved, b);
             let error = norm(&rest) / size;
-            // A rest that is not a number fails this comparison too.
-            if !(error < left) {
+            if error.is_nan() || error >= left {
                 break;
             }
             (x, residual, left) = (moved, rest, error);

@@ -209,10 +209,10 @@ fn right_side(problem: &Problem, x: &Iterate, at: &Expansion, mu: f64, rest: &[f
         for (end, slopes) in [k, problem.after(k)].into_iter().zip(&at.defects[k]) {
             out[end] -= slopes.transpose() * x.lambda[k];
         }
-        for i in 0..NZ {
+        out[k] += Node::from_fn(|i, _| {
             let (below, above) = x.room(problem, k, i);
-            out[k][i] += mu / below - mu / above;
-        }
+            mu / below - mu / above
+        });
     }
     add_inequalities(problem, at, &mut out, |i| (mu - x.y[i] * rest[i]) / x.s[i]);
     out
@@ -232,9 +232,9 @@ fn complete(
     let mut s = Vec::with_capacity(rest.len());
     let (mut on_lower, mut on_upper) = (x.on_lower.clone(), x.on_upper.clone());
     for k in 0..problem.len() {
-        for index in k * rules..(k + 1) * rules {
-            let [begin, end] = &at.inequalities[index];
-            s.push(begin.dot(&z[k]) + end.dot(&z[problem.after(k)]) + rest[index]);
+        let own = k * rules..(k + 1) * rules;
+        for ([begin, end], rest) in at.inequalities[own.clone()].iter().zip(&rest[own]) {
+            s.push(begin.dot(&z[k]) + end.dot(&z[problem.after(k)]) + rest);
         }
         for i in 0..NZ {
             let (below, above) = x.room(problem, k, i);
