@@ -15,6 +15,11 @@ use crate::presets::Preset;
 const PEAK_SHARE: f64 = 0.85;
 /// Slip guard of tyres whose curve has no peak, and the greatest of any \[rad\].
 const GREATEST_SLIP: f64 = 0.8;
+/// Reserve beside the body as a share of its width.
+const RESERVE_SHARE: f64 = 0.1;
+/// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
+/// blurred inputs for grip.
+const LAG_SHARE: f64 = 0.5;
 /// Speed of the initial laps as a share of the mean speed that grip and drive allow.
 const WARM_UP_SHARE: f64 = 0.3;
 
@@ -23,7 +28,7 @@ const FASTEST: f64 = 150.0;
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
 /// against.
 const GROWTH: f64 = 0.35;
-/// Horizon and neighbours at most.
+/// Horizon at most.
 const MOST: usize = 100;
 
 /// The scales of a car.
@@ -85,8 +90,8 @@ impl Config {
             ((count as f64 * time).round() as usize).clamp(count, 12 * count).min(MOST)
         };
         self.horizon.steps = steps(self.horizon.steps);
-        self.safe_set.neighbors = steps(self.safe_set.neighbors);
 
+        self.nominal.adapt_grip &= car.actuator_lag < LAG_SHARE * self.horizon.period;
         let metric = &mut self.regression.metric;
         let squares = [speed, speed, speed / length, acceleration, 1.0];
         for (weight, scale) in metric.iter_mut().zip(squares) {
@@ -120,11 +125,11 @@ impl Config {
     }
 }
 
-/// What is kept free beside the body: between two samples the path bows out by at most
-/// `a_y dt^2 / 8` \[m\].
+/// What is kept free beside the body \[m\]: a share of its width, and at least the
+/// `a_y dt^2 / 8` by which the path between two samples bows out.
 fn reserve(car: &CarParams, dt: f64) -> f64 {
     let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
-    mu * GRAVITY * dt * dt / 8.0
+    (RESERVE_SHARE * car.width).max(mu * GRAVITY * dt * dt / 8.0)
 }
 
 /// A share of the peak slip.

@@ -30,13 +30,6 @@ impl Config {
         }
     }
 
-    /// Settings shipped for a built-in car, as TOML over its preset; none for cars that the
-    /// presets fit as they are.
-    #[must_use]
-    pub fn of_car(name: &str) -> Option<&'static str> {
-        (name == "iac").then_some(include_str!("../../config/iac.toml"))
-    }
-
     fn paper() -> Self {
         Self {
             preset: Preset::Paper,
@@ -71,7 +64,7 @@ impl Config {
                 active: false,
                 grip_share: 1.0,
                 growth_least: 0.05,
-                growth_most: 1.0,
+                growth_most: 0.5,
                 brake_share: 1.0,
             },
             limits: LimitsConfig {

@@ -43,7 +43,11 @@ impl Envelope {
     ) -> Self {
         let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
         let points = (wanted as usize).clamp(16, POINTS);
-        let mut envelope = Self { ds: track.length() / points as f64, speed: vec![0.0; points], driven: vec![0.0; points] };
+        let mut envelope = Self {
+            ds: track.length() / points as f64,
+            speed: vec![0.0; points],
+            driven: vec![0.0; points],
+        };
         let tyres = Grip::new(car, grip);
         for lap in laps {
             envelope.add(config, &tyres, lap);

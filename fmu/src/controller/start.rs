@@ -2,6 +2,7 @@
 
 use controller::config::RegressionMode;
 use controller::{Config, Controller, Preset};
+use vehicle_model::{CarParams, Track};
 
 use super::{ControllerFmu, Laps, slots};
 use crate::checksum::fnv1a;
@@ -15,18 +16,15 @@ pub(super) fn failed(e: impl std::fmt::Display) -> Fault {
 }
 
 /// The configuration: preset or file, then the numbers that were changed.
-fn config(io: &Io<'_>) -> Result<Config, Fault> {
+fn config(io: &Io<'_>, car: &CarParams, track: &Track) -> Result<Config, Fault> {
     let (slots, values) = (slots(), &*io.values);
     let mut config = match (values.text(slots.config), values.text(slots.preset)) {
-        ("", "race") => match Config::of_car(values.text(slots.car)) {
-            Some(shipped) => Config::from_toml(shipped).map_err(failed)?,
-            None => Config::preset(Preset::Race),
-        },
+        ("", "race") => Config::derived(Preset::Race, car, track),
         ("", "paper") => Config::preset(Preset::Paper),
         ("", other) => {
             return Err(Fault::Failed(format!("param.preset = '{other}'; known: race, paper")));
         }
-        (file, _) => Config::from_toml(&files::read(io, "configuration", file)?)
+        (file, _) => Config::from_toml_for(&files::read(io, "configuration", file)?, car, track)
             .map_err(|e| Fault::Failed(format!("configuration {file}: {e}")))?,
     };
     slots.settings.apply(values, &mut config);
@@ -41,13 +39,13 @@ fn config(io: &Io<'_>) -> Result<Config, Fault> {
 
 pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     let slots = slots();
-    let mut config = config(io)?;
     let mut car = files::car(io, io.values.text(slots.car))?;
     let mu = io.values.real(slots.nominal_mu);
     if mu > 0.0 {
         car = car.with_mu(mu);
     }
     let track = files::track(io, io.values.text(slots.track))?;
+    let mut config = config(io, &car, &track)?;
     let mut identity = postcard::to_allocvec(&config).map_err(failed)?;
     identity.extend(car.fingerprint().to_le_bytes());
     identity.extend(track.fingerprint().to_le_bytes());

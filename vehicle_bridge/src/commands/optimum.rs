@@ -4,7 +4,6 @@ use std::fs;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use controller::Config;
 use optimum::{Optimum, Options, Progress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
@@ -20,7 +19,7 @@ use crate::settings::{Layers, Usage};
 pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
     let car = load::car(&args.car)?;
     let track = load::track(&args.track)?;
-    let margin = margin(args)?;
+    let margin = margin(args, &car, &track)?;
     let options = Options { starts: usize::from(args.starts), ..Options::new(margin) };
     talk.say(&format!(
         "time-optimal lap of {} on {} ({:.2} m), {margin} m from the edges",
@@ -83,7 +82,7 @@ pub(super) fn solve(
 }
 
 /// The margin asked for, or the one the controller keeps.
-fn margin(args: &OptimumArgs) -> Result<f64> {
+fn margin(args: &OptimumArgs, car: &CarParams, track: &Track) -> Result<f64> {
     if let Some(margin) = args.margin {
         if !(margin >= 0.0 && margin.is_finite()) {
             let text = format!("--margin {margin}: expected a distance of 0 or above");
@@ -92,13 +91,10 @@ fn margin(args: &OptimumArgs) -> Result<f64> {
         return Ok(margin);
     }
     let mut layers = Layers::default();
-    if let Some(shipped) = Config::of_car(&args.car) {
-        layers.text(shipped)?;
-    }
     if let Some(path) = &args.config {
         layers.file(path)?;
     }
-    Ok(layers.build()?.limits.lane_margin)
+    Ok(layers.build_for(car, track)?.limits.lane_margin)
 }
 
 fn summary(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> serde_json::Value {

@@ -36,7 +36,7 @@ pub(super) fn assemble(
         Some(mu) => car.with_mu(mu),
         None => car,
     };
-    let config = config(args)?;
+    let config = config(args, &nominal, &track)?;
     Ok(RaceOptions {
         laps,
         plant,
@@ -45,11 +45,8 @@ pub(super) fn assemble(
     })
 }
 
-fn config(args: &ControllerArgs) -> Result<Config> {
+fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Config> {
     let mut layers = Layers::default();
-    if let Some(shipped) = Config::of_car(&args.car) {
-        layers.text(shipped)?;
-    }
     if let Some(path) = &args.config {
         layers.file(path)?;
     }
@@ -75,7 +72,7 @@ fn config(args: &ControllerArgs) -> Result<Config> {
     for assignment in &args.set {
         layers.set(assignment)?;
     }
-    layers.build()
+    layers.build_for(car, track)
 }
 
 /// A name as the command line has it, which is also the configuration's.
