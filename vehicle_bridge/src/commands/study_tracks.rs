@@ -33,6 +33,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
     let cases = cases(args, &known.tracks)?;
     let keys: Vec<Key> = cases.iter().map(|case| case.key.clone()).collect();
     let mut book = Book::open(&args.out, &keys, args.resume)?;
+    book.rate(&cases);
     let mut done: Vec<Key> = book.rows.iter().map(Row::key).collect();
     done.sort();
     let missing: Vec<&Case> =

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
+use super::case::Case;
 use super::drive::Run;
 use super::row::{Key, Row};
 use crate::race::files;
@@ -72,6 +73,18 @@ impl Book {
         append(&self.folder.join(RUNS), std::slice::from_ref(&run.row))?;
         self.rows.push(run.row);
         Ok(())
+    }
+
+    /// Measures the kept runs against the optima known now.
+    pub fn rate(&mut self, cases: &[Case]) {
+        let mut places: Vec<&Case> = cases.iter().collect();
+        places.sort_by(|a, b| a.key.cmp(&b.key));
+        for row in &mut self.rows {
+            let key = row.key();
+            if let Ok(i) = places.binary_search_by(|case| case.key.cmp(&key)) {
+                row.rate(places[i].optimum);
+            }
+        }
     }
 
     /// Puts the table into the order of `keys`, whatever order the runs finished in.

@@ -3,6 +3,7 @@
 mod axes;
 mod book;
 mod case;
+mod cell;
 mod drive;
 mod optima;
 mod page;
