@@ -14,6 +14,7 @@ mod actuator;
 mod affine;
 pub mod config;
 mod controller;
+mod derive;
 mod drive;
 mod error;
 pub mod fhocp;

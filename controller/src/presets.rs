@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
-    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
-    WarmUpConfig,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
+    NominalConfig, NominalModel, RegressionConfig, RegressionMode, SafeSetConfig, Selection,
+    SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -54,16 +54,25 @@ impl Config {
             nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false },
             cost: CostConfig {
                 input: 1e-3,
+                input_acceleration: 1e-3,
                 control_rate: 0.1,
                 acceleration_rate: 1.0,
                 steering_rate: 1.0,
                 steering_rate_floor: 0.0,
                 gentle_start: 0.0,
+                dissipation: 0.0,
                 terminal_slack: [40.0, 4.0, 4.0, 40.0, 40.0, 40.0],
                 lane_linear: 25.0,
                 lane_quadratic: 100.0,
                 slip: 1000.0,
                 speed: 25.0,
+            },
+            envelope: EnvelopeConfig {
+                active: false,
+                grip_share: 1.0,
+                growth_least: 0.05,
+                growth_most: 1.0,
+                brake_share: 1.0,
             },
             limits: LimitsConfig {
                 lane_margin: 0.1,
@@ -99,9 +108,11 @@ impl Config {
                 acceleration_rate: 1e-3,
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
+                dissipation: 2.0,
                 slip: 200.0,
                 ..paper.cost
             },
+            envelope: EnvelopeConfig { active: true, ..paper.envelope },
             limits: LimitsConfig { front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper
         }
@@ -130,6 +141,7 @@ default_of_race! {
     regression: RegressionConfig,
     nominal: NominalConfig,
     cost: CostConfig,
+    envelope: EnvelopeConfig,
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,

@@ -24,7 +24,7 @@ pub use error::ModelError;
 pub use limiter::{Limit, Limited, Limiter};
 pub use model::{AxleForces, Model, ModelKind, PoseConvention};
 pub use outline::{BodyPoint, Extent, Outline};
-pub use params::{CarParams, ParamProblem, Tyre};
+pub use params::{CarParams, GRAVITY, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};

@@ -117,6 +117,37 @@ pub enum TrackError {
         /// Largest allowed turn [rad].
         limit: f64,
     },
+    /// A point far from the line through its neighbours.
+    #[error(
+        "{item} at {place} lies {distance:.3} m from the line through its neighbours, expected at \
+         most {limit:.3} m (three tenths of the track's width); correct the point or remove it"
+    )]
+    Outlier {
+        /// Which point, and its line if it came from a file.
+        item: String,
+        /// Where.
+        place: Place,
+        /// Its distance from the line through the others [m].
+        distance: f64,
+        /// Largest allowed distance [m].
+        limit: f64,
+    },
+    /// The widths do not belong to the line, as when one of the two is not in metres.
+    #[error(
+        "the widths do not fit the line: {share:.0} % of a lap of {length:.3} m bends tighter than \
+         its inner width allows, at a mean width of {width:.3} m from edge to edge; expected at \
+         most {limit:.0} %; check that x, y and the widths are all in metres"
+    )]
+    Scale {
+        /// Share of the lap whose inner width had to be cut \[%\].
+        share: f64,
+        /// Length of the lap [m].
+        length: f64,
+        /// Mean width from edge to edge [m].
+        width: f64,
+        /// Largest allowed share \[%\].
+        limit: f64,
+    },
     /// The inner edge lies beyond the centre of the bend, where s is not defined.
     #[error(
         "too narrow a bend at {place}: its radius is {radius:.3} m, expected more than the \

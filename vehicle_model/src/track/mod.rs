@@ -17,20 +17,28 @@
 
 mod arc;
 mod builtin;
+mod changes;
 mod crossing;
 mod error;
 mod frenet;
 mod import;
 mod path;
 mod points;
+mod random;
 mod segment;
+mod smooth;
 mod spline;
+mod survey;
 mod widths;
+mod write;
 
+pub use changes::{Change, ImportOptions, Imported, Side};
 pub use error::{Place, TrackError};
 pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
+pub use random::random;
 pub use segment::Segment;
+pub use write::points_to_toml;
 
 use path::Path;
 use std::cell::Cell;

@@ -4,9 +4,7 @@
 //! measured, points at equal distances are taken from it, and a second closed spline goes
 //! through those: its parameter is the arc length.
 //!
-//! The spline interpolates: nothing is smoothed. Published centre lines and surveyed ones with
-//! noise far below their spacing squared times their curvature give a usable kappa as they are;
-//! a survey noisier than that is better smoothed by those who know its noise.
+//! The spline interpolates: nothing is smoothed. What comes from a file is smoothed before.
 
 use super::error::{Place, TrackError};
 use super::frenet::wrap_angle;
@@ -25,9 +23,9 @@ const DENSITY: (usize, usize) = (2, 32);
 /// as it is.
 const MOST_KNOTS: usize = 100_000;
 /// Fewest points of a track.
-const FEWEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 /// Points closer than this are the same point [m].
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 /// Largest turn from one chord to the next, just above that of a regular octagon [rad].
 const TURN: f64 = 0.8;
 /// Largest sagitta between neighbouring points, in distances to the nearer edge.
@@ -159,7 +157,10 @@ pub(super) fn build(
 }
 
 /// Numbers that are not finite or not positive where they must be.
-fn bad_numbers(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<TrackError> {
+pub(super) fn bad_numbers(
+    points: &[TrackPoint],
+    item: &dyn Fn(usize) -> String,
+) -> Vec<TrackError> {
     let mut problems = Vec::new();
     for (i, p) in points.iter().enumerate() {
         for (key, found, ok, expected) in [
@@ -177,7 +178,7 @@ fn bad_numbers(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<Tra
 }
 
 /// Points that coincide, that are too far apart for their bend, or that do not close.
-fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<TrackError> {
+pub(super) fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Vec<TrackError> {
     let n = points.len();
     let chord = |i: usize| {
         let (a, b) = (&points[i % n], &points[(i + 1) % n]);

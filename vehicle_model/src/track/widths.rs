@@ -11,6 +11,8 @@ pub(super) struct Span {
     pub length: f64,
     /// Widths (left, right) at the beginning [m].
     pub start: (f64, f64),
+    /// Widths (left, right) at the end [m].
+    pub end: (f64, f64),
     /// Change of the widths (left, right) per metre.
     pub slope: (f64, f64),
 }
@@ -19,7 +21,7 @@ impl Span {
     /// The stretch of this length [m] with (left, right) widths at its ends [m].
     pub(super) fn new(s: f64, length: f64, start: (f64, f64), end: (f64, f64)) -> Self {
         let slope = ((end.0 - start.0) / length, (end.1 - start.1) / length);
-        Self { s, length, start, slope }
+        Self { s, length, start, end, slope }
     }
 }
 
@@ -41,6 +43,16 @@ impl Widths {
     /// Widths of the stretches in order; the first begins at 0.
     pub(super) fn new(spans: Vec<Span>) -> Self {
         Self { spans }
+    }
+
+    /// Distance along the track where each stretch begins [m].
+    pub(super) fn starts(&self) -> Vec<f64> {
+        self.spans.iter().map(|span| span.s).collect()
+    }
+
+    /// Widths (left, right) at the beginning and the end of each stretch [m].
+    pub(super) fn ends(&self) -> impl Iterator<Item = ((f64, f64), (f64, f64))> {
+        self.spans.iter().map(|span| (span.start, span.end))
     }
 
     /// Least and largest distance from edge to edge [m].

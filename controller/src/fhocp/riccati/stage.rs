@@ -60,7 +60,7 @@ pub(super) fn penalty(problem: &Fhocp) -> [(f64, f64); SOFT] {
 impl Curvature {
     /// Curvature of a stage from the sigma of its rows.
     #[inline(always)]
-    pub(super) fn of(problem: &Fhocp, rows: &Rows, sigma: &[f64]) -> Self {
+    pub(super) fn of(problem: &Fhocp, t: usize, rows: &Rows, sigma: &[f64]) -> Self {
         let mut out = Self::default();
         for i in 0..NU {
             out.input[i] = 2.0 * problem.input_cost[i] + sigma[2 * i] + sigma[2 * i + 1];
@@ -74,6 +74,8 @@ impl Curvature {
                 out.soft[k] = ((h + g) * own + 4.0 * h * g) * out.inverse[k];
             }
         }
+        out.soft[REAR] += 2.0 * problem.rear[t].weight;
+        out.soft[FRONT] += 2.0 * problem.front[t].weight;
         out
     }
 
@@ -97,11 +99,13 @@ impl Gradient {
     #[inline(always)]
     pub(super) fn of(
         problem: &Fhocp,
+        t: usize,
         rows: &Rows,
         multipliers: &[f64],
         u: &Vector2<f64>,
         u_before: &Vector2<f64>,
         s: &[f64; SOFT],
+        y: &[f64; SOFT],
     ) -> Self {
         let mut out = Self::default();
         for i in 0..NU {
@@ -115,6 +119,9 @@ impl Gradient {
                 out.soft[k] = high - low;
                 out.slack[k] = linear + 2.0 * quadratic * s[k] - (high + low + slack);
             }
+        }
+        for (k, row) in [(REAR, &problem.rear[t]), (FRONT, &problem.front[t])] {
+            out.soft[k] += row.pull(y[k] + row.offset);
         }
         out
     }

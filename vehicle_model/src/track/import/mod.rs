@@ -1,9 +1,10 @@
 //! Readers of track files. They take text and give a track or everything wrong with the text.
 
+mod points_toml;
 mod segments_toml;
 mod table;
 
-use super::{Track, TrackError};
+use super::{ImportOptions, Imported, Track, TrackError};
 
 /// File formats, for messages.
 const FORMATS: &str = "a track: segments in TOML, a comma-separated centre line \
@@ -33,10 +34,16 @@ impl Track {
     /// angle_deg = 180.0
     /// ```
     ///
+    /// In place of widths and segments the file may hold points of the centre line, as `lmpc track
+    /// convert` writes them: `point = [ { x_m = .., y_m = .., width_left_m = .., width_right_m
+    /// = .. }, .. ]`, with `smooth_m` for the smoothing of [`ImportOptions`].
+    ///
     /// # Errors
     /// The first of everything wrong with the text or the track it describes.
     pub fn from_toml(text: &str) -> Result<Self, TrackError> {
-        segments_toml::read(text).map_err(first)
+        segments_toml::read(text, &ImportOptions::default())
+            .map(|imported| imported.track)
+            .map_err(first)
     }
 
     /// The track of a file's text, in any of the formats known, told apart by their content:
@@ -45,33 +52,50 @@ impl Track {
     ///   width, left width, separated by commas, after a `#` line that names them;
     /// - the 17-column TTL tables of the paper's authors, whose edge points give the widths.
     ///
+    /// Points are smoothed as their noise asks for, see [`Track::import`]; segments are exact.
     /// The file's name gives the track its name where the text does not.
     ///
     /// # Errors
     /// The first of everything wrong with the text or the track it describes.
     pub fn parse(file_name: &str, text: &str) -> Result<Self, TrackError> {
-        read(file_name, text).map_err(first)
+        Self::import(file_name, text, &ImportOptions::default())
+            .map(|imported| imported.track)
+            .map_err(first)
+    }
+
+    /// [`Track::parse`] with a say in how points become a track, and with the list of what was
+    /// changed. A width larger than 0.85 of the radius on the inner side of a bend is cut to it,
+    /// however the points are smoothed.
+    ///
+    /// # Errors
+    /// Everything wrong with the text or the track it describes.
+    pub fn import(
+        file_name: &str,
+        text: &str,
+        options: &ImportOptions,
+    ) -> Result<Imported, Vec<TrackError>> {
+        read(file_name, text, options)
     }
 
     /// Everything that is wrong with a track file; nothing if [`Track::parse`] takes it.
     #[must_use]
     pub fn check(file_name: &str, text: &str) -> Vec<TrackError> {
-        read(file_name, text).err().unwrap_or_default()
+        read(file_name, text, &ImportOptions::default()).err().unwrap_or_default()
     }
 }
 
 /// The track, or everything wrong with the text.
-fn read(file_name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
+fn read(file_name: &str, text: &str, options: &ImportOptions) -> Result<Imported, Vec<TrackError>> {
     let looks_like_toml = |line: &str| {
         let line = line.trim_start();
         !line.starts_with('#') && (line.starts_with('[') || line.contains('='))
     };
     if text.lines().any(looks_like_toml) {
-        return segments_toml::read(text);
+        return segments_toml::read(text, options);
     }
     let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
     let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
-    table::read(stem, text)
+    table::read(stem, text, options)
 }
 
 /// The first of the problems, which are never none.

@@ -1,6 +1,7 @@
 //! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
 
-use crate::track::{Segment, Track, TrackError, segment};
+use super::points_toml;
+use crate::track::{ImportOptions, Imported, Segment, TrackError, segment};
 use std::f64::consts::PI;
 use std::ops::Range;
 use toml::Spanned;
@@ -19,16 +20,16 @@ const SEGMENT_KEYS: [&str; 7] = [
     "width_right_end_m",
 ];
 /// What a length or width must be.
-const POSITIVE: &str = "a number above 0";
+pub(super) const POSITIVE: &str = "a number above 0";
 
 /// The text with everything found wrong with it so far.
-struct Reader<'t> {
+pub(super) struct Reader<'t> {
     text: &'t str,
     problems: Vec<TrackError>,
 }
 
 /// The track, or everything wrong with the text.
-pub(super) fn read(text: &str) -> Result<Track, Vec<TrackError>> {
+pub(super) fn read(text: &str, options: &ImportOptions) -> Result<Imported, Vec<TrackError>> {
     let (file, errors) = DeTable::parse_recoverable(text);
     let mut reader = Reader { text, problems: Vec::new() };
     for error in errors {
@@ -39,6 +40,9 @@ pub(super) fn read(text: &str) -> Result<Track, Vec<TrackError>> {
         return Err(reader.problems);
     }
     let table = file.get_ref();
+    if table.contains_key("point") {
+        return points_toml::read(reader, table, options);
+    }
     reader.known_keys(table, &KEYS);
     let name = reader.name(table);
     let positive = |v: f64| v > 0.0;
@@ -52,20 +56,23 @@ pub(super) fn read(text: &str) -> Result<Track, Vec<TrackError>> {
     let widths = (left.unwrap_or(1.0), right.unwrap_or(1.0));
     let (lines, segments): (Vec<usize>, Vec<Segment>) =
         reader.segments(table, widths).into_iter().unzip();
-    if !reader.problems.is_empty() {
-        reader.problems.sort_by_key(TrackError::line_and_column);
-        return Err(reader.problems);
-    }
+    reader.done()?;
     let item = |i: usize| match lines.get(i) {
         Some(line) => format!("line {line}: segment {}", i + 1),
         None => format!("segment {}", i + 1),
     };
-    segment::build(&name, &segments, widths.0, widths.1, &item)
+    segment::build(&name, &segments, widths.0, widths.1, &item).map(Imported::exact)
 }
 
 impl Reader<'_> {
+    /// Everything noted, in the order of the text; nothing if all is well.
+    pub(super) fn done(mut self) -> Result<(), Vec<TrackError>> {
+        self.problems.sort_by_key(TrackError::line_and_column);
+        if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
+    }
+
     /// Line and column, from 1, of a byte of the text.
-    fn line_and_column(&self, byte: usize) -> (usize, usize) {
+    pub(super) fn line_and_column(&self, byte: usize) -> (usize, usize) {
         let before = self.text.get(..byte).unwrap_or(self.text);
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
@@ -73,14 +80,14 @@ impl Reader<'_> {
     }
 
     /// Notes a problem.
-    fn wrong(&mut self, place: Range<usize>, found: &str, expected: &str) {
+    pub(super) fn wrong(&mut self, place: Range<usize>, found: &str, expected: &str) {
         let (line, column) = self.line_and_column(place.start);
         let (found, expected) = (found.to_owned(), expected.to_owned());
         self.problems.push(TrackError::Syntax { line, column, found, expected });
     }
 
     /// Notes every key that is not one of these.
-    fn known_keys(&mut self, table: &DeTable<'_>, keys: &[&str]) {
+    pub(super) fn known_keys(&mut self, table: &DeTable<'_>, keys: &[&str]) {
         let unknown = table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref()));
         for key in unknown {
             let found = format!("unknown key `{}`", key.get_ref());
@@ -89,7 +96,7 @@ impl Reader<'_> {
     }
 
     /// The track's name.
-    fn name(&mut self, table: &DeTable<'_>) -> String {
+    pub(super) fn name(&mut self, table: &DeTable<'_>) -> String {
         match table.get("name") {
             Some(value) => match value.get_ref().as_str() {
                 Some(name) => return name.to_owned(),
@@ -104,7 +111,7 @@ impl Reader<'_> {
     }
 
     /// The number at a key, if there is one as expected.
-    fn number(
+    pub(super) fn number(
         &mut self,
         table: &DeTable<'_>,
         key: &str,

@@ -1,7 +1,7 @@
 //! Centre lines as tables of numbers: one point a line.
 
 use super::FORMATS;
-use crate::track::{Track, TrackError, TrackPoint, points};
+use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, survey};
 
 /// Number of columns of a TTL table.
 const TTL: usize = 17;
@@ -18,7 +18,11 @@ struct Row {
 }
 
 /// The track, or everything wrong with the text.
-pub(super) fn read(name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
+pub(super) fn read(
+    name: &str,
+    text: &str,
+    options: &ImportOptions,
+) -> Result<Imported, Vec<TrackError>> {
     let mut problems = Vec::new();
     let mut header = None;
     let mut rows: Vec<Row> = Vec::new();
@@ -74,7 +78,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Track, Vec<TrackError>> {
         Some(row) => format!("line {}: point {}", row.line, i + 1),
         None => format!("point {}", i + 1),
     };
-    points::build(name, &points, &item)
+    survey::build(name, &points, options, &item)
 }
 
 /// Where a header has the columns x, y, right and left width, and how many it has.

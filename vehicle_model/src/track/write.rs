@@ -1,0 +1,68 @@
+//! Tracks in our own file format.
+
+use super::path::Path;
+use super::{Track, TrackPoint};
+use std::fmt::Write as _;
+
+impl Track {
+    /// The track in our own format, see [`Track::from_toml`]; reading it again gives the same
+    /// track to the last bit. None for a track of points, which [`points_to_toml`] writes.
+    #[must_use]
+    pub fn to_toml(&self) -> Option<String> {
+        let Path::Arcs(arcs) = &self.path else { return None };
+        let ((left, right), _) = self.widths.ends().next()?;
+        let mut text = head(&self.name, self.length);
+        let _ = writeln!(text, "width_left_m = {left:?}\nwidth_right_m = {right:?}");
+        for (arc, (start, end)) in arcs.iter().zip(self.widths.ends()) {
+            let _ = writeln!(text, "\n[[segment]]\nlength_m = {:?}", arc.length);
+            if arc.kappa != 0.0 {
+                let _ = writeln!(text, "radius_m = {:?}", radius(arc.kappa));
+            }
+            if start != (left, right) {
+                let _ =
+                    writeln!(text, "width_left_m = {:?}\nwidth_right_m = {:?}", start.0, start.1);
+            }
+            if end != start {
+                let (left, right) = end;
+                let _ =
+                    writeln!(text, "width_left_end_m = {left:?}\nwidth_right_end_m = {right:?}");
+            }
+        }
+        Some(text)
+    }
+}
+
+/// Points of a centre line in our own format, to be taken as they are.
+#[must_use]
+pub fn points_to_toml(name: &str, points: &[TrackPoint]) -> String {
+    let n = points.len();
+    let length = (0..n).map(|i| (points[i], points[(i + 1) % n]));
+    let length: f64 = length.map(|(a, b)| (b.x - a.x).hypot(b.y - a.y)).sum();
+    let mut text = head(name, length);
+    text.push_str("smooth_m = 0.0\npoint = [\n");
+    for TrackPoint { x, y, width_left, width_right } in points {
+        let _ = writeln!(
+            text,
+            "  {{ x_m = {x:?}, y_m = {y:?}, width_left_m = {width_left:?}, \
+             width_right_m = {width_right:?} }},"
+        );
+    }
+    text.push_str("]\n");
+    text
+}
+
+/// The beginning of a file.
+fn head(name: &str, length: f64) -> String {
+    let name: String = name
+        .chars()
+        .map(|c| if c == '"' || c == '\\' || c.is_control() { '_' } else { c })
+        .collect();
+    format!("# {length:.3} m along the centre line.\nname = \"{name}\"\n")
+}
+
+/// The radius whose inverse is this curvature to the last bit, if there is one.
+fn radius(kappa: f64) -> f64 {
+    let near = 1.0 / kappa;
+    let candidates = [near, near.next_up(), near.next_down()];
+    candidates.into_iter().find(|r| (1.0 / r).to_bits() == kappa.to_bits()).unwrap_or(near)
+}
