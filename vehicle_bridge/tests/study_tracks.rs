@@ -127,3 +127,26 @@ fn the_body_counts_unless_asked_otherwise() {
     let row = &rows(&centre)[0];
     assert_ne!((row["failure"].as_str(), row["fail_lap"].as_str()), ("off_track", "0"), "{row:?}");
 }
+
+#[test]
+fn generated_tracks_belong_to_each_car() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let size = ["--random", "2", "--random-seed", "7", "--seeds", "1", "--laps", "2"];
+    let cars = ["--car", "barc", "mini", "--centre-of-gravity"];
+    let run = study(&[&size[..], &cars].concat(), &out);
+    assert!(matches!(run.status.code(), Some(0 | 3)), "{}", text(&run.stderr));
+    let rows = rows(&out);
+    let names: Vec<(&str, &str)> =
+        rows.iter().map(|row| (row["car"].as_str(), row["track"].as_str())).collect();
+    let wanted = ["barc", "mini"].map(|car| ["random-7", "random-8"].map(|track| (car, track)));
+    assert_eq!(names, wanted.concat());
+    for row in &rows {
+        assert_ne!(row["failure"], "refused", "{row:?}");
+        let kept = out.join(format!("failures/{}-{}-none-0.csv", row["car"], row["track"]));
+        assert_eq!(kept.exists(), !row["failure"].is_empty(), "{row:?}");
+    }
+    assert!(rows.iter().all(|row| row["car"] != "barc" || row["laps"] == "2"), "{rows:?}");
+    let table = text(&run.stdout);
+    assert_eq!(table.matches("(generated)").count(), 2, "one line for each car: {table}");
+}
