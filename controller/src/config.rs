@@ -189,9 +189,12 @@ pub struct EnvelopeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
-    /// Distance the centre of gravity keeps from either track edge [m].
+    /// Distance the centre of gravity of a car parallel to the track keeps from either edge [m].
     #[serde(rename = "lane_margin_m")]
     pub lane_margin: f64,
+    /// Whether the outline of the body keeps what `lane_margin` leaves beside half its width: a car
+    /// that stands across the track keeps farther away.
+    pub body: bool,
     /// Guard on the front slip angle |alpha_f|; 0 switches it off [rad].
     #[serde(rename = "front_slip_rad")]
     pub front_slip: f64,

@@ -1,7 +1,7 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
 use nalgebra::{Vector2, Vector3, Vector6};
-use vehicle_model::{CarParams, Input, SlipAngles, State};
+use vehicle_model::{CarParams, Input, Outline, SlipAngles, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
@@ -15,6 +15,9 @@ use crate::status::{Phase, Probe};
 /// Speed below which delay per speed is no longer told by the quotient [m/s].
 const SLOW: f64 = 0.5;
 
+/// Heading error beyond which a plan is no help to keep the body inside [rad].
+const ACROSS: f64 = 0.5;
+
 /// Problem, solver and memory that is reused from step to step.
 pub(crate) struct Workspace {
     problem: Fhocp,
@@ -23,6 +26,8 @@ pub(crate) struct Workspace {
     origin: f64,
     /// States and acting inputs the model is linearised at.
     points: Vec<(State, Input)>,
+    /// The body, if it counts.
+    outline: Option<Outline>,
     /// Speed cap; infinite for none [m/s].
     speed_cap: f64,
     pub(crate) solver: Solver,
@@ -52,6 +57,7 @@ impl Workspace {
             problem,
             solution: Solution::new(n, hull),
             origin: 0.0,
+            outline: config.limits.body.then(|| Outline::new(car)),
             speed_cap: bound(config.limits.speed_cap),
             points: Vec::with_capacity(n),
             solver: Solver::new(config.solver.clone()),
@@ -121,8 +127,12 @@ impl Workspace {
             let row = &mut self.problem.rear[t];
             row.weight = dissipation.weight(next.v_x, 1, row.reference);
             let margin = setup.config.limits.lane_margin;
-            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin;
-            self.problem.e_y_min[t] = margin - setup.track.width_right(next.s);
+            let [left, right] = match &self.outline {
+                Some(outline) => across(outline, next, setup.track.kappa(next.s)),
+                None => [0.0; 2],
+            };
+            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin - left;
+            self.problem.e_y_min[t] = margin + right - setup.track.width_right(next.s);
         }
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
         learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
@@ -251,6 +261,13 @@ impl<'a> Dissipation<'a> {
         let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
         self.factor * stiffness / (car.mass * v_x.max(SLOW))
     }
+}
+
+/// How much farther than half its width the body reaches to the left and to the right [m].
+fn across(outline: &Outline, x: &State, kappa: f64) -> [f64; 2] {
+    let extent = outline.extent(kappa, x.e_psi.clamp(-ACROSS, ACROSS), x.e_y);
+    let reach = [extent.left.e_y - x.e_y, x.e_y - extent.right.e_y];
+    reach.map(|reach| reach - outline.half_width)
 }
 
 /// The planned input before stage `t`.

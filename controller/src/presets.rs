@@ -76,6 +76,7 @@ impl Config {
             },
             limits: LimitsConfig {
                 lane_margin: 0.1,
+                body: false,
                 front_slip: 0.11,
                 rear_slip: 0.09,
                 speed_cap: 0.0,
@@ -113,7 +114,7 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
-            limits: LimitsConfig { front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
+            limits: LimitsConfig { body: true, front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper
         }
     }
