@@ -6,7 +6,7 @@ use controller::{LapKind, Status};
 use super::case::Case;
 use super::row::Row;
 use crate::race::record::{StepRow, is_fallback, mean};
-use crate::race::timing::percentile;
+use crate::race::timing::{StepTime, percentile};
 use crate::race::words::{action_word, reason_word};
 use crate::race::{Race, RaceError};
 
@@ -95,7 +95,9 @@ fn steps(row: &mut Row, race: &Race) {
     let overhang = race.steps.iter().map(|s| s.overhang).fold(f64::NAN, f64::max);
     row.overhang_max_m = finite(race.failure.map_or(overhang, |f| overhang.max(f.beyond)));
     let solved = race.steps.iter().zip(&race.times).filter(|(s, _)| s.status.solver.is_some());
-    let mut times: Vec<f64> = solved.map(|(_, time)| 1e6 * time.processor).collect();
+    // Some systems count processor time in coarse ticks: a step takes no more than it lasted.
+    let step = |time: &StepTime| 1e6 * time.processor.min(time.total);
+    let mut times: Vec<f64> = solved.map(|(_, time)| step(time)).collect();
     times.sort_by(f64::total_cmp);
     row.step_median_us = finite(percentile(&times, 0.5)).map(tenths);
     row.step_p99_us = finite(percentile(&times, 0.99)).map(tenths);
