@@ -14,6 +14,7 @@ pub mod export;
 pub mod hil;
 pub mod mapping;
 pub mod network;
+pub mod optimal;
 pub mod page;
 pub mod parallel;
 pub mod race;

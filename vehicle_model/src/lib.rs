@@ -21,8 +21,12 @@ pub mod track;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
+pub use fingerprint::fingerprint;
 pub use limiter::{Limit, Limited, Limiter};
-pub use model::{AxleForces, Model, ModelKind, PoseConvention};
+pub use model::{
+    AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
+    SpatialExpansion,
+};
 pub use outline::{BodyPoint, Extent, Outline};
 pub use params::{CarParams, GRAVITY, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};

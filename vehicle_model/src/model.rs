@@ -6,6 +6,7 @@
 mod axles;
 mod bicycle;
 mod kinematic;
+mod spatial;
 mod tyre;
 
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,7 @@ use crate::params::CarParams;
 use crate::state::{Input, NU, NX, State};
 
 pub use axles::AxleForces;
+pub use spatial::{SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion};
 pub(crate) use tyre::slip_speed;
 
 /// Which equations a model uses.

@@ -9,6 +9,8 @@
 //! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
 //! ```
 //!
+//! and nowhere less than the fastest lap was: what was driven can be driven again.
+//!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
 use vehicle_model::{CarParams, GRAVITY, Track};
@@ -26,6 +28,8 @@ pub(crate) struct Envelope {
     ds: f64,
     /// Speed at each grid point \[m/s\]; empty if there is no bound.
     speed: Vec<f64>,
+    /// Greatest driven speed \[m/s\].
+    driven: Vec<f64>,
 }
 
 impl Envelope {
@@ -39,7 +43,7 @@ impl Envelope {
     ) -> Self {
         let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
         let points = (wanted as usize).clamp(16, POINTS);
-        let mut envelope = Self { ds: track.length() / points as f64, speed: vec![0.0; points] };
+        let mut envelope = Self { ds: track.length() / points as f64, speed: vec![0.0; points], driven: vec![0.0; points] };
         let tyres = Grip::new(car, grip);
         for lap in laps {
             envelope.add(config, &tyres, lap);
@@ -87,6 +91,8 @@ impl Envelope {
                 }
                 let here = &mut self.speed[i % n];
                 *here = here.max(low + share * (high - low));
+                let driven = &mut self.driven[i % n];
+                *driven = driven.max(from.v_x + share * (to.v_x - from.v_x));
             }
         }
     }
@@ -117,7 +123,7 @@ impl Envelope {
                 + car.linear_drag * after;
             let most = (after * after + 2.0 * self.ds * (brake + drag)).sqrt();
             let here = &mut self.speed[i % n];
-            *here = here.min(most);
+            *here = here.min(most).max(self.driven[i % n]);
         }
     }
 }

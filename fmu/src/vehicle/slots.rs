@@ -109,7 +109,7 @@ impl Slots {
             "param.car",
             Role::Fixed,
             "",
-            "Car: a name that ships (barc, iac, kart, mini) or a file; empty: the car.* values",
+            "Car: a name that ships (barc, iac, kart, mini, f1tenth, formula_student, road) or a file; empty: the car.* values",
         ));
         let substep = t.add_real(
             Variable::real("param.substep", Role::Fixed, unit::S, "Longest integration step")

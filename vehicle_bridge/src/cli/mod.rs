@@ -6,6 +6,7 @@ mod fmu;
 mod hil;
 mod network;
 mod operator;
+mod optimum;
 mod race;
 mod study;
 mod top;
@@ -23,6 +24,7 @@ pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
+pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{PaperStudyArgs, Study, StudyArgs, StudyName, TracksStudyArgs};
 pub use top::TopArgs;
@@ -59,6 +61,8 @@ pub enum Command {
     Race(Box<RaceArgs>),
     /// Race many cars, tracks and seeds, or repeat a study of the paper
     Study(Box<StudyArgs>),
+    /// Find the time-optimal lap of a car on a track
+    Optimum(OptimumArgs),
     /// Serve the controller on an LCM network
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network

@@ -8,6 +8,7 @@ mod fmu;
 mod hil;
 mod network;
 mod operator;
+mod optimum;
 mod race;
 mod race_table;
 mod seeds;
@@ -55,6 +56,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     match cli.command {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
+        Command::Optimum(args) => optimum::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
             Vehicle::Sim(args) => network::sim(&args, None, talk),

@@ -22,6 +22,11 @@ pub(super) struct Actuators {
 }
 
 impl Actuators {
+    /// Actuators that stand here.
+    pub(super) fn at(position: Input) -> Self {
+        Self { queue: VecDeque::new(), position, applied: position }
+    }
+
     /// Takes a command at a time, limited to what the car allows.
     pub(super) fn command(&mut self, car: &CarParams, time: f64, u: Input) {
         let last = self.queue.back().map_or(Input::default(), |(_, u)| *u);
