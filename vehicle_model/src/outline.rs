@@ -162,8 +162,8 @@ mod tests {
 
     /// A circle to the left or right, far wider than any body needs.
     fn circle(radius: f64) -> Track {
-        let angle = std::f64::consts::TAU.copysign(radius);
-        Track::from_segments("circle", &[Segment::arc(radius.abs(), angle)], 5.0, 5.0).unwrap()
+        let half = Segment::arc(radius, std::f64::consts::PI);
+        Track::from_segments("circle", &[half, half], 5.0, 5.0).unwrap()
     }
 
     const STATES: [(f64, f64); 6] =

@@ -24,6 +24,7 @@ Examples:
   lmpc study tracks --car iac my_car.toml --track circuits/ --plant none --plant noise=0.001
   lmpc study tracks --car iac --track circuits/ --optimum optima.csv --out out/iac
   lmpc study tracks --car iac --track circuits/ --out out/iac --resume
+  lmpc study tracks --car barc iac kart --random 200 --seeds 1
 
 Drives every car on every track with every plant and every seed. A run fails when any part of the
 car's body leaves the track, when the car spins, turns round or stands still, or when a lap takes
@@ -63,9 +64,16 @@ pub struct TracksStudyArgs {
     /// Cars: names or files
     #[arg(long, num_args = 1.., default_value = "barc", value_name = "NAME|FILE")]
     pub car: Vec<String>,
-    /// Tracks: names, files, or folders of track files; by default those that ship with lmpc
+    /// Tracks: names, files, or folders of track files; by default those that ship with lmpc,
+    /// unless there are generated ones
     #[arg(long, num_args = 1.., value_name = "NAME|FILE|FOLDER")]
     pub track: Vec<String>,
+    /// Generated tracks for each car, at its scale
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub random: Option<u32>,
+    /// Seed of the first generated track; the others follow
+    #[arg(long, default_value_t = 0, value_name = "SEED", requires = "random")]
+    pub random_seed: u64,
     /// Changes of the simulated car as in `lmpc race`, one plant for each time the option is
     /// given; `none` is the car as it is
     #[arg(long, value_name = "NAME=VALUE,..")]
@@ -110,10 +118,11 @@ pub struct TracksStudyArgs {
 }
 
 impl TracksStudyArgs {
-    /// The tracks asked for; without any, those that ship with the product.
+    /// The tracks asked for; without any and without generated ones, those that ship with the
+    /// product.
     #[must_use]
     pub fn track_names(&self) -> Vec<String> {
-        if self.track.is_empty() {
+        if self.track.is_empty() && self.random.is_none() {
             return Track::builtin_names().map(str::to_owned).collect();
         }
         self.track.clone()

@@ -16,7 +16,8 @@ use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
 use crate::parallel::{parallel, threads};
 use crate::race::TrackLimit;
 use crate::study::tracks::{
-    Book, Case, Key, Named, Optima, Row, Run, cars, drive, page, summarize, text_table, tracks,
+    Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
+    tracks,
 };
 
 /// The plant that is the car as its file has it.
@@ -33,6 +34,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
     let cases = cases(args, &known.tracks)?;
     let keys: Vec<Key> = cases.iter().map(|case| case.key.clone()).collect();
     let mut book = Book::open(&args.out, &keys, args.resume)?;
+    book.rate(&cases);
     let mut done: Vec<Key> = book.rows.iter().map(Row::key).collect();
     done.sort();
     let missing: Vec<&Case> =
@@ -71,7 +73,9 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
     let plants = if args.plant.is_empty() { vec![BARE.to_owned()] } else { args.plant.clone() };
     let mut all = Vec::new();
     for car in &cars(&args.car)? {
-        for track in tracks {
+        let drawn = generated(&car.value, args.random_seed, args.random.unwrap_or(0))?;
+        let of_car = tracks.iter().map(|t| (t, false)).chain(drawn.iter().map(|t| (t, true)));
+        for (track, generated) in of_car {
             let names = [car.value.name.as_str(), car.label.as_str()];
             let optimum = optima.find(names, [track.value.name(), &track.label]);
             for plant in &plants {
@@ -86,7 +90,7 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
                     options.limit = TrackLimit::Body;
                 }
                 let names = [car.label.as_str(), track.label.as_str(), label];
-                all.extend(Case::of_cell(names, options, args.seeds, optimum, false));
+                all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
             }
         }
     }
@@ -134,7 +138,7 @@ fn race(
         cases,
         threads(args.jobs),
         |case| drive(case),
-        |_, run: Run| -> Result<()> {
+        |i, run: Run| -> Result<()> {
             let row = &run.row;
             if row.failed() {
                 failed += 1;
@@ -153,7 +157,7 @@ fn race(
                     left / 60.0
                 ));
             }
-            book.add(run)?;
+            book.add(run, cases[i])?;
             bar.inc(1);
             Ok(())
         },

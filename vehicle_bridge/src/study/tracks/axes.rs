@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
+use vehicle_model::track::random;
 use vehicle_model::{CarParams, Track};
 
 use crate::race::load;
@@ -74,6 +75,22 @@ pub fn tracks(names: &[String]) -> Result<Tracks> {
     }
     distinct(&mut found.tracks);
     Ok(found)
+}
+
+/// Generated tracks at the scale of a car, with the seeds from `first` on.
+///
+/// # Errors
+/// If no track can be drawn for the car.
+pub fn generated(car: &CarParams, first: u64, count: u32) -> Result<Vec<Named<Arc<Track>>>> {
+    (0..u64::from(count))
+        .map(|i| {
+            let seed = first.wrapping_add(i);
+            let label = format!("random-{seed}");
+            let track = random(seed, car)
+                .with_context(|| format!("no random track with seed {seed} for {}", car.name))?;
+            Ok(Named { given: label.clone(), label, value: Arc::new(track) })
+        })
+        .collect()
 }
 
 fn folder(path: &Path, found: &mut Tracks) -> Result<()> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
+use super::case::Case;
 use super::drive::Run;
 use super::row::{Key, Row};
 use crate::race::files;
@@ -56,22 +57,45 @@ impl Book {
         Ok(book)
     }
 
-    /// Adds a finished run, and writes the last steps of one that failed.
+    /// Adds a finished run of a case. One that failed leaves its last steps, and its track if
+    /// that was generated.
     ///
     /// # Errors
-    /// If a table cannot be written.
-    pub fn add(&mut self, run: Run) -> Result<()> {
-        if !run.last_steps.is_empty() {
-            let folder = self.folder.join(FAILURES);
-            fs::create_dir_all(&folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-            let path = folder.join(trace_name(&run.row));
-            files::write_trajectory(&path, &run.last_steps)
-                .with_context(|| format!("cannot write {}", path.display()))?;
+    /// If a file cannot be written.
+    pub fn add(&mut self, run: Run, case: &Case) -> Result<()> {
+        if run.row.failed() {
+            self.keep_failure(&run, case)?;
         }
         append(&self.folder.join(RUNS), std::slice::from_ref(&run.row))?;
         self.rows.push(run.row);
         Ok(())
+    }
+
+    fn keep_failure(&self, run: &Run, case: &Case) -> Result<()> {
+        let folder = self.folder.join(FAILURES);
+        let failed = |path: &Path| format!("cannot write {}", path.display());
+        fs::create_dir_all(&folder).with_context(|| failed(&folder))?;
+        if !run.last_steps.is_empty() {
+            let path = folder.join(trace_name(&run.row));
+            files::write_trajectory(&path, &run.last_steps).with_context(|| failed(&path))?;
+        }
+        if let Some(text) = case.track().to_toml().filter(|_| case.generated) {
+            let path = folder.join(format!("{}.toml", case.track().name()));
+            fs::write(&path, text).with_context(|| failed(&path))?;
+        }
+        Ok(())
+    }
+
+    /// Measures the kept runs against the optima known now.
+    pub fn rate(&mut self, cases: &[Case]) {
+        let mut places: Vec<&Case> = cases.iter().collect();
+        places.sort_by(|a, b| a.key.cmp(&b.key));
+        for row in &mut self.rows {
+            let key = row.key();
+            if let Ok(i) = places.binary_search_by(|case| case.key.cmp(&key)) {
+                row.rate(places[i].optimum);
+            }
+        }
     }
 
     /// Puts the table into the order of `keys`, whatever order the runs finished in.
@@ -108,10 +132,19 @@ pub(super) fn trace_name(row: &Row) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::race::RaceOptions;
+    use vehicle_model::{CarParams, Track};
 
     fn key(track: &str, seed: u64, settings: &str) -> Key {
         let (car, track, plant) = ("barc".to_owned(), track.to_owned(), "none".to_owned());
         Key { car, track, plant, seed, settings: settings.to_owned() }
+    }
+
+    fn case(key: &Key) -> Case {
+        let track = std::sync::Arc::new(Track::builtin("l").unwrap());
+        let car = CarParams::builtin("barc").unwrap();
+        let options = RaceOptions::new(controller::Config::default(), car, track);
+        Case { key: key.clone(), optimum: Some(3.0), generated: false, options }
     }
 
     fn run(key: &Key) -> Run {
@@ -125,7 +158,7 @@ mod tests {
         let (one, two, other) = (key("l", 0, "a"), key("l", 1, "a"), key("m", 0, "a"));
         let mut book = Book::open(folder.path(), &[], false).unwrap();
         for key in [&other, &two, &one] {
-            book.add(run(key)).unwrap();
+            book.add(run(key), &case(key)).unwrap();
         }
         // A kill in mid-line.
         let path = folder.path().join(RUNS);
@@ -135,8 +168,10 @@ mod tests {
         let keys = [one.clone(), key("l", 1, "b"), key("l", 2, "b")];
         let mut book = Book::open(folder.path(), &keys, true).unwrap();
         assert_eq!(book.rows, [run(&one).row]);
-        book.add(run(&keys[2])).unwrap();
-        book.add(run(&keys[1])).unwrap();
+        book.add(run(&keys[2]), &case(&keys[2])).unwrap();
+        book.add(run(&keys[1]), &case(&keys[1])).unwrap();
+        book.rate(&[case(&keys[0])]);
+        assert_eq!(book.rows[0].ratio, Some(1.3), "measured against what is known now");
         book.sort(&keys).unwrap();
         let rows: Vec<Key> = read::<Row>(&path).unwrap().iter().map(Row::key).collect();
         assert_eq!(rows, [&keys[..], &[other]].concat(), "other cells stay in the table");

@@ -6,14 +6,14 @@ use controller::{LapKind, Status};
 use super::case::Case;
 use super::row::Row;
 use crate::race::record::{StepRow, is_fallback, mean};
-use crate::race::timing::percentile;
+use crate::race::timing::{StepTime, percentile};
 use crate::race::words::{action_word, reason_word};
 use crate::race::{Race, RaceError};
 
 /// Steps before a failure that are kept.
 pub const LAST_STEPS: usize = 100;
-/// Steps before a failure that its row tells of.
-const TOLD_STEPS: usize = 10;
+/// Steps before a failure that its row describes.
+const DESCRIBED_STEPS: usize = 10;
 /// A lap is close to the best below this many times its time.
 const CLOSE: f64 = 1.05;
 /// The word for a race that cannot begin.
@@ -61,7 +61,7 @@ fn of_race(case: &Case, race: &Race) -> Run {
         row.fail_e_psi_rad = finite(failure.x.e_psi);
         row.fail_beyond_m = finite(failure.beyond);
         row.fail_message = failure.to_string();
-        row.fail_last_steps = told(tail(&race.steps, TOLD_STEPS));
+        row.fail_last_steps = describe(tail(&race.steps, DESCRIBED_STEPS));
         last_steps = tail(&race.steps, LAST_STEPS).to_vec();
     }
     Run { row, last_steps }
@@ -73,8 +73,7 @@ fn laps(row: &mut Row, race: &Race, optimum: Option<f64>) {
     let valid = learned().filter(|lap| lap.result.valid).map(|lap| lap.result.lap_time);
     row.laps = learned().count() as u32;
     row.best_lap_s = valid.min_by(f64::total_cmp);
-    row.optimum_s = optimum;
-    row.ratio = row.best_lap_s.zip(optimum).map(|(best, optimum)| best / optimum);
+    row.rate(optimum);
     row.lap_within_5_percent = row.best_lap_s.and_then(|best| {
         let close = |time: f64| time <= CLOSE * best;
         learned().find(|lap| close(lap.result.lap_time)).and_then(|lap| lap.iteration)
@@ -96,7 +95,9 @@ fn steps(row: &mut Row, race: &Race) {
     let overhang = race.steps.iter().map(|s| s.overhang).fold(f64::NAN, f64::max);
     row.overhang_max_m = finite(race.failure.map_or(overhang, |f| overhang.max(f.beyond)));
     let solved = race.steps.iter().zip(&race.times).filter(|(s, _)| s.status.solver.is_some());
-    let mut times: Vec<f64> = solved.map(|(_, time)| 1e6 * time.total).collect();
+    // Some systems count processor time in coarse ticks: a step takes no more than it lasted.
+    let step = |time: &StepTime| 1e6 * time.processor.min(time.total);
+    let mut times: Vec<f64> = solved.map(|(_, time)| step(time)).collect();
     times.sort_by(f64::total_cmp);
     row.step_median_us = finite(percentile(&times, 0.5)).map(tenths);
     row.step_p99_us = finite(percentile(&times, 0.99)).map(tenths);
@@ -115,7 +116,7 @@ fn tail(steps: &[StepRow], count: usize) -> &[StepRow] {
 }
 
 /// What was done in some steps, and how far the soft limits of their plans gave way.
-fn told(steps: &[StepRow]) -> String {
+fn describe(steps: &[StepRow]) -> String {
     let mut parts: Vec<(String, usize)> = Vec::new();
     for status in steps.iter().map(|step| &step.status) {
         let reason = reason_word(status.reason);

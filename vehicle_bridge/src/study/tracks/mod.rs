@@ -3,6 +3,7 @@
 mod axes;
 mod book;
 mod case;
+mod cell;
 mod drive;
 mod optima;
 mod page;
@@ -10,7 +11,7 @@ mod row;
 mod summary;
 mod thumbnail;
 
-pub use axes::{Named, Refused, Tracks, cars, tracks};
+pub use axes::{Named, Refused, Tracks, cars, generated, tracks};
 pub use book::Book;
 pub use case::Case;
 pub use drive::{LAST_STEPS, Run, drive};

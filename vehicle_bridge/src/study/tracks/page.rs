@@ -5,21 +5,14 @@ use std::fmt::Write as _;
 use super::axes::Refused;
 use super::book::trace_name;
 use super::case::Case;
+use super::cell::{Cell, cells};
 use super::row::Row;
 use super::summary::{HEAD, Summary};
 use super::thumbnail::{Place, thumbnail};
 use crate::page::{card, escape, page as html_page, table};
 
-/// One cell of the grid: a track, and a car with a plant.
-struct Cell<'a> {
-    car: &'a str,
-    track: &'a str,
-    plant: &'a str,
-    /// Runs to be done.
-    planned: usize,
-    runs: Vec<&'a Row>,
-    case: &'a Case,
-}
+/// Most maps on the page.
+const MOST_MAPS: usize = 100;
 
 /// The page.
 #[must_use]
@@ -46,92 +39,6 @@ pub fn page(lead: &str, cases: &[Case], rows: &[Row], sums: &[Summary], no: &[Re
         ));
     }
     html_page("Cars on tracks", lead, &body, "")
-}
-
-fn cells<'a>(cases: &'a [Case], rows: &'a [Row]) -> Vec<Cell<'a>> {
-    let mut cells: Vec<Cell<'a>> = Vec::new();
-    for case in cases {
-        let key = &case.key;
-        let same = |cell: &&mut Cell<'_>| {
-            cell.car == key.car && cell.track == key.track && cell.plant == key.plant
-        };
-        // The seeds of a cell follow one another.
-        if let Some(cell) = cells.last_mut().filter(same) {
-            cell.planned += 1;
-            continue;
-        }
-        let own =
-            |row: &&Row| row.car == key.car && row.track == key.track && row.plant == key.plant;
-        cells.push(Cell {
-            car: &key.car,
-            track: &key.track,
-            plant: &key.plant,
-            planned: 1,
-            runs: rows.iter().filter(own).collect(),
-            case,
-        });
-    }
-    // Failed cells first; the sort is stable.
-    cells.sort_by_key(|cell| std::cmp::Reverse(cell.failed()));
-    cells
-}
-
-impl Cell<'_> {
-    fn failed(&self) -> usize {
-        self.runs.iter().filter(|run| run.failed()).count()
-    }
-
-    /// Anchor of its runs.
-    fn id(&self) -> String {
-        let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
-        format!("{}--{}--{}", self.car, self.track, self.plant).chars().map(plain).collect()
-    }
-
-    fn best(&self) -> Option<&Row> {
-        let done = self.runs.iter().copied().filter(|run| !run.failed());
-        done.filter(|r| r.best_lap_s.is_some()).min_by(|a, b| {
-            f64::total_cmp(&a.best_lap_s.unwrap_or(0.0), &b.best_lap_s.unwrap_or(0.0))
-        })
-    }
-
-    /// The slowest ratio, or the slowest best lap where there is no optimum.
-    fn worth(&self) -> String {
-        let done = || self.runs.iter().filter(|run| !run.failed());
-        if let Some(ratio) = done().filter_map(|run| run.ratio).reduce(f64::max) {
-            return format!("{ratio:.3}");
-        }
-        let slowest = done().filter_map(|run| run.best_lap_s).reduce(f64::max);
-        slowest.map_or(String::new(), |best| format!("{best:.2} s"))
-    }
-
-    /// Symbol and style.
-    fn look(&self) -> (&'static str, &'static str) {
-        match (self.failed(), self.runs.len() < self.planned) {
-            (0, false) => ("\u{2713}", "ok"),
-            (0, true) => ("\u{2026}", "open"),
-            _ => ("\u{2717}", "failed"),
-        }
-    }
-
-    fn hover(&self) -> String {
-        let mut lines = vec![format!("{} on {}, {}", self.car, self.track, self.plant)];
-        lines.push(format!(
-            "{} of {} runs failed, {} planned",
-            self.failed(),
-            self.runs.len(),
-            self.planned
-        ));
-        if let Some(best) = self.best() {
-            lines.push(format!("best lap {:.3} s", best.best_lap_s.unwrap_or(f64::NAN)));
-        }
-        if let Some(optimum) = self.case.optimum {
-            lines.push(format!("optimum {optimum:.3} s"));
-        }
-        for run in self.runs.iter().filter(|run| run.failed()) {
-            lines.push(format!("seed {}: {}", run.seed, run.fail_message));
-        }
-        lines.join("\n")
-    }
 }
 
 fn facts(cases: &[Case], rows: &[Row], failed: usize) -> String {
@@ -213,7 +120,8 @@ fn square(cell: &Cell<'_>) -> String {
 /// A map for each cell with failed runs.
 fn failures(cells: &[Cell<'_>]) -> String {
     let mut maps = String::new();
-    for cell in cells.iter().filter(|cell| cell.failed() > 0) {
+    let all = cells.iter().filter(|cell| cell.failed() > 0).count();
+    for cell in cells.iter().filter(|cell| cell.failed() > 0).take(MOST_MAPS) {
         let failed = || cell.runs.iter().filter(|run| run.failed());
         let places: Vec<Place> = failed()
             .filter_map(|run| {
@@ -221,13 +129,13 @@ fn failures(cells: &[Cell<'_>]) -> String {
                 Some(Place { s: run.fail_s_m?, e_y: run.fail_e_y_m?, text })
             })
             .collect();
-        let told: String = failed()
+        let list: String = failed()
             .map(|run| format!("<li>seed {}: {}</li>", run.seed, escape(&run.fail_message)))
             .collect();
-        let _ = write!(
+        let _ = writeln!(
             maps,
-            "<figure><a href=\"#{}\">{}</a><figcaption><b>{} on {}</b>, {}<ul>{told}</ul>\
-             </figcaption></figure>\n",
+            "<figure><a href=\"#{}\">{}</a><figcaption><b>{} on {}</b>, {}<ul>{list}</ul>\
+             </figcaption></figure>",
             cell.id(),
             thumbnail(cell.case.track(), &places),
             escape(cell.car),
@@ -238,7 +146,13 @@ fn failures(cells: &[Cell<'_>]) -> String {
     if maps.is_empty() {
         return String::new();
     }
-    card("Where cars failed", "", &format!("<div class=\"thumbnails\">\n{maps}</div>\n"))
+    let note = if all > MOST_MAPS {
+        format!("{MOST_MAPS} of {all} cells with failed runs, those with most of them.")
+    } else {
+        String::new()
+    };
+    let maps = format!("<div class=\"thumbnails\">\n{maps}</div>\n");
+    card("Where cars failed", &note, &maps)
 }
 
 /// Every run, cell by cell.

@@ -63,9 +63,9 @@ pub struct Row {
     pub fallbacks: u64,
     /// Steps whose input was cut to the car's limits.
     pub clipped: u64,
-    /// Median time of the steps with a QP \[us\].
+    /// Median processor time of the steps with a QP \[us\].
     pub step_median_us: Option<f64>,
-    /// Time below which 99 % of the steps with a QP stay \[us\].
+    /// Processor time below which 99 % of the steps with a QP stay \[us\].
     pub step_p99_us: Option<f64>,
     /// Learned lap of the failure; 0 in a warm-up lap.
     pub fail_lap: Option<u32>,
@@ -115,6 +115,12 @@ impl Row {
             seed: self.seed,
             settings: self.settings.clone(),
         }
+    }
+
+    /// Measures the best lap against the optimum \[s\].
+    pub fn rate(&mut self, optimum: Option<f64>) {
+        self.optimum_s = optimum;
+        self.ratio = self.best_lap_s.zip(optimum).map(|(best, optimum)| best / optimum);
     }
 
     /// Whether the run failed.
