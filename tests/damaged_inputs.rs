@@ -82,12 +82,16 @@ fn tracks() {
         let error = Track::from_toml(&stadium(found, replaced)).unwrap_err();
         says(&error.to_string(), words);
     }
-    // A figure of eight.
+    // A figure of eight crosses itself on a bridge; a lap driven twice runs over itself.
     let eight = "name = \"8\"\nwidth_left_m = 4.0\nwidth_right_m = 4.0\n\
                  [[segment]]\nlength_m = 20.0\n[[segment]]\nradius_m = 30.0\nangle_deg = 270.0\n\
                  [[segment]]\nlength_m = 60.0\n[[segment]]\nradius_m = -30.0\nangle_deg = 270.0\n\
                  [[segment]]\nlength_m = 40.0\n";
-    let error = Track::from_toml(eight).unwrap_err();
+    assert_eq!(Track::from_toml(eight).unwrap().bridges().len(), 1);
+    let half = "[[segment]]\nlength_m = 100.0\n[[segment]]\nradius_m = 20.0\nangle_deg = 180.0\n";
+    let twice =
+        format!("name = \"2\"\nwidth_left_m = 4.0\nwidth_right_m = 4.0\n{}", half.repeat(4));
+    let error = Track::from_toml(&twice).unwrap_err();
     says(&error.to_string(), &["crosses itself", "meets", "s = "]);
 }
 
@@ -112,7 +116,7 @@ fn tracks_of_points() {
         ("nan, 5.2, 4.0, 4.0", &["line 3", "nan", "expected a"]),
         ("49.7, 5.2, -4.0, 4.0", &["line 3", "-4", "width above 0 m"]),
         ("49.7, left, 4.0, 4.0", &["line 3, column 7", "left", "expected a"]),
-        ("-300.0, 5.2, 4.0, 4.0", &["too coarse"]),
+        ("-300.0, 5.2, 4.0, 4.0", &["line 3", "from the line through its neighbours"]),
     ];
     for (replaced, words) in cases {
         let error = Track::parse("circle.csv", &circle(3, replaced)).unwrap_err();

@@ -225,8 +225,8 @@ fn what_is_no_track_is_told_so() {
         assert!(matches!(error, TrackError::Syntax { line: 1, .. }), "{error}");
         assert!(error.to_string().contains("no numbers"), "{error}");
     }
-    let error = Track::parse("a.csv", "1 2\n3 4\n").unwrap_err().to_string();
-    assert!(error.starts_with("line 1, column 3: 2 columns; expected 4 columns"), "{error}");
+    let error = Track::parse("a.csv", "1 2 3\n3 4 5\n").unwrap_err().to_string();
+    assert!(error.starts_with("line 1, column 5: 3 columns; expected 4 columns"), "{error}");
     for (text, place, words) in [
         (
             "name = 3\nwidth_left_m = 1\nwidth_right_m = 1\nsegment = []",

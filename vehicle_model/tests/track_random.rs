@@ -72,7 +72,7 @@ fn a_written_track_is_the_same_track() {
         assert_eq!(read, track);
     }
     let points = ellipse(90);
-    let read = Track::from_toml(&points_to_toml("e", &points)).unwrap();
+    let read = Track::from_toml(&points_to_toml("e", &points, None)).unwrap();
     assert_eq!(read, Track::from_points("e", &points).unwrap());
     // Smoothed and cut, written and read again.
     let mut csv = String::new();

@@ -26,7 +26,7 @@ fn surveyed(track: &Track, spacing: f64, noise: f64, seed: u64) -> String {
 
 /// The file as a track.
 fn import(text: &str, smooth: Option<f64>) -> Result<Imported, Vec<TrackError>> {
-    Track::import("a.csv", text, &ImportOptions { smooth })
+    Track::import("a.csv", text, &ImportOptions { smooth, ..ImportOptions::default() })
 }
 
 /// Root mean square and largest distance of the track's line from the exact one [m], and the

@@ -10,6 +10,7 @@ mod optimum;
 mod race;
 mod study;
 mod top;
+mod track;
 mod vehicle;
 
 use std::path::PathBuf;
@@ -28,6 +29,7 @@ pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, RaceArgs};
 pub use study::{PaperStudyArgs, Study, StudyArgs, StudyName, TracksStudyArgs};
 pub use top::TopArgs;
+pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
 
 const EXIT_CODES: &str = "\
@@ -81,6 +83,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Measure how long a control step takes on this computer
     Bench(BenchArgs),
+    /// Show, convert or make tracks: what an import changes, before and after
+    Track(TrackArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix

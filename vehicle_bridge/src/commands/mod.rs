@@ -16,6 +16,8 @@ mod setup;
 mod study;
 mod study_tracks;
 mod top;
+mod track;
+mod track_page;
 mod vehicle;
 
 use anyhow::Result;
@@ -71,6 +73,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Replay(args) => network::replay(&args),
         Command::Export(args) => export::run(&args, talk),
         Command::Bench(args) => bench::run(&args, talk),
+        Command::Track(args) => track::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),

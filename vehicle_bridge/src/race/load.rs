@@ -27,9 +27,17 @@ pub fn track(name: &str) -> Result<Arc<Track>> {
     if let Some(track) = Track::builtin(name) {
         return Ok(Arc::new(track));
     }
-    let names: Vec<&str> = Track::builtin_names().collect();
-    let text = text_of("track", name, &names)?;
+    let text = track_text(name)?;
     Ok(Arc::new(Track::parse(name, &text).with_context(|| hint(name))?))
+}
+
+/// Text of a track file.
+///
+/// # Errors
+/// If there is no such file, or it is no text.
+pub fn track_text(name: &str) -> Result<String> {
+    let names: Vec<&str> = Track::builtin_names().collect();
+    text_of("track", name, &names)
 }
 
 fn text_of(what: &str, name: &str, builtin: &[&str]) -> Result<String> {

@@ -93,6 +93,30 @@ pub(super) fn map(
     out
 }
 
+/// The map of a track with points beside it and circles around places of its centre line.
+#[must_use]
+pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
+    let (mut out, bounds) = road(track);
+    for (x, y) in points {
+        let radius = 0.001 * bounds.size();
+        let _ = writeln!(
+            out,
+            "<circle class=\"given\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
+            -y
+        );
+    }
+    for &s in places {
+        let ((x, y), radius) = (track.position(s), 0.015 * bounds.size());
+        let _ = writeln!(
+            out,
+            "<circle class=\"cut\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
+            -y
+        );
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
 /// A line coloured by speed on the track, as HTML with its colour bar; points are x, y \[m\] and
 /// speed \[m/s\].
 #[must_use]

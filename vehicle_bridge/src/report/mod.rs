@@ -16,7 +16,7 @@ use crate::race::record::{Failure, LapRow, StepRow, is_fallback};
 use crate::race::timing::{StepTime, percentile};
 use crate::race::words::kind_word;
 
-pub use map::speed_map;
+pub use map::{outline, speed_map};
 
 /// What a report shows.
 #[derive(Debug)]

@@ -10,6 +10,8 @@ pub struct ImportOptions {
     /// exactly through the points, `None` for the smoothing that the noise measured in the points
     /// asks for.
     pub smooth: Option<f64>,
+    /// Distance from the centre line to either edge, for a file without widths \[m\].
+    pub half_width: Option<f64>,
 }
 
 /// A track with what became of its points.
@@ -23,18 +25,34 @@ pub struct Imported {
     pub points: Vec<TrackPoint>,
     /// The points that the track goes through; none for a track of segments.
     pub line: Vec<TrackPoint>,
+    /// Where x = y = 0 is on the globe, if the file says.
+    pub origin: Option<Origin>,
+}
+
+/// A place on the globe (WGS 84).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// Geodetic latitude \[degree\].
+    pub latitude: f64,
+    /// Longitude \[degree\].
+    pub longitude: f64,
+    /// Height above the ellipsoid [m].
+    pub height: f64,
 }
 
 impl Imported {
     /// A track that is as its file says.
-    pub(super) fn exact(track: Track) -> Self {
-        Self { track, changes: Vec::new(), points: Vec::new(), line: Vec::new() }
+    #[must_use]
+    pub fn exact(track: Track) -> Self {
+        Self { track, changes: Vec::new(), points: Vec::new(), line: Vec::new(), origin: None }
     }
 
     /// The track in our own format; reading it again gives the same track to the last bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        self.track.to_toml().unwrap_or_else(|| points_to_toml(self.track.name(), &self.line))
+        self.track
+            .to_toml()
+            .unwrap_or_else(|| points_to_toml(self.track.name(), &self.line, self.origin))
     }
 }
 

@@ -12,6 +12,11 @@ const SAGITTA_WIDTHS: f64 = 1e-4;
 /// Chords closer than this along the line are neighbours, in widths of the track.
 const NEIGHBOUR_WIDTHS: f64 = 1e-3;
 
+/// Sine of the least angle at which a track may cross itself on a bridge: 30 degrees.
+const STEEP: f64 = 0.5;
+/// Least length of either loop between the two passages of a bridge, in widths of the track.
+const LOOP_WIDTHS: f64 = 3.0;
+
 /// Most chords of one piece.
 const MOST_CHORDS: f64 = 1e5;
 
@@ -45,6 +50,13 @@ impl Chord {
             x: between(self.from.x, self.to.x),
             y: between(self.from.y, self.to.y),
         }
+    }
+
+    /// Sine of the angle between the chords.
+    fn sine(&self, other: &Self) -> f64 {
+        let along = |c: &Self| (c.to.x - c.from.x, c.to.y - c.from.y);
+        let (a, b) = (along(self), along(other));
+        (a.0 * b.1 - a.1 * b.0).abs() / (a.0.hypot(a.1) * b.0.hypot(b.1))
     }
 
     /// Whether the chords have a point in common.
@@ -81,8 +93,16 @@ fn chords(path: &Path, width: f64) -> Vec<Chord> {
     places.iter().zip(ends).map(|(&from, to)| Chord { from, to }).collect()
 }
 
-/// Every crossing of the centre line with itself; those closer together than a width once.
-pub(super) fn find(path: &Path, length: f64, width: f64) -> Vec<TrackError> {
+/// Every crossing of the centre line with itself that a bridge can explain, each as its two
+/// passages; those closer together than a width once.
+///
+/// # Errors
+/// Those that no bridge explains: the stretches meet at a shallow angle, or a short loop closes.
+pub(super) fn find(
+    path: &Path,
+    length: f64,
+    width: f64,
+) -> Result<Vec<(Place, Place)>, Vec<TrackError>> {
     let chords = chords(path, width);
     let n = chords.len();
     let mut order: Vec<usize> = (0..n).collect();
@@ -97,7 +117,7 @@ pub(super) fn find(path: &Path, length: f64, width: f64) -> Vec<TrackError> {
     let along_x = extent(true) >= extent(false);
     let range = |i: usize| chords[i].range(along_x);
     order.sort_by(|&a, &b| range(a).0.total_cmp(&range(b).0));
-    let mut found: Vec<(Place, Place)> = Vec::new();
+    let mut found: Vec<(Place, Place, bool)> = Vec::new();
     for (k, &a) in order.iter().enumerate() {
         let reach = range(a).1;
         for &b in order[k + 1..].iter().take_while(|&&b| range(b).0 <= reach) {
@@ -108,11 +128,21 @@ pub(super) fn find(path: &Path, length: f64, width: f64) -> Vec<TrackError> {
             let near = NEIGHBOUR_WIDTHS * width;
             if j > i + 1 && !wraps && apart.min(around) > near && chords[i].meets(&chords[j]) {
                 let (i, j) = (&chords[i], &chords[j]);
-                found.push((i.meeting(j), j.meeting(i)));
+                let loops = apart.min(around) > LOOP_WIDTHS * width;
+                found.push((i.meeting(j), j.meeting(i), loops && i.sine(j) > STEEP));
             }
         }
     }
     found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
-    found.dedup_by(|b, a| (b.0.s - a.0.s).abs() < width && (b.1.s - a.1.s).abs() < width);
-    found.into_iter().map(|(first, second)| TrackError::Crossing { first, second }).collect()
+    found.dedup_by(|b, a| {
+        let same = (b.0.s - a.0.s).abs() < width && (b.1.s - a.1.s).abs() < width;
+        a.2 &= b.2 || !same;
+        same
+    });
+    let (bridges, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|crossing| crossing.2);
+    if wrong.is_empty() {
+        return Ok(bridges.into_iter().map(|(first, second, _)| (first, second)).collect());
+    }
+    let error = |(first, second, _)| TrackError::Crossing { first, second };
+    Err(wrong.into_iter().map(error).collect())
 }

@@ -34,6 +34,15 @@ pub enum TrackError {
         /// What was expected.
         expected: String,
     },
+    /// The text gives no widths, and none was given beside it.
+    #[error(
+        "line {line}: no widths; expected columns w_tr_right_m and w_tr_left_m, or a width for \
+         the whole track beside the file (`--width METRES`)"
+    )]
+    NoWidth {
+        /// Line, from 1.
+        line: usize,
+    },
     /// Too little of the path is given.
     #[error("{what}: found {found}, expected at least {expected}")]
     TooFew {
@@ -82,7 +91,8 @@ pub enum TrackError {
     /// The last point is far from the first.
     #[error(
         "open track: the last point at {end} is {gap:.3} m from the first, \
-         expected at most {limit:.3} m (three times the largest spacing of the other points)"
+         expected at most {limit:.3} m (three times the largest spacing of the other points); \
+         add the points of the rest of the lap"
     )]
     Gap {
         /// The last point.
@@ -92,9 +102,10 @@ pub enum TrackError {
         /// Largest allowed distance [m].
         limit: f64,
     },
-    /// The centre line crosses itself.
+    /// The centre line crosses itself as no bridge does.
     #[error(
-        "the centre line crosses itself: {first} meets {second}; expected stretches that keep apart"
+        "the centre line crosses itself: {first} meets {second}; expected stretches that keep \
+         apart, or cross at more than 30 degrees (a bridge)"
     )]
     Crossing {
         /// First passage.
@@ -105,7 +116,8 @@ pub enum TrackError {
     /// Points too far apart for the bend between them.
     #[error(
         "too coarse at {place}: the path turns {turn:.3} rad between neighbouring points \
-         {spacing:.3} m apart, expected at most {limit:.3} rad"
+         {spacing:.3} m apart, expected at most {limit:.3} rad; \
+         correct the points there or add some between them"
     )]
     TooCoarse {
         /// Where.
@@ -151,7 +163,7 @@ pub enum TrackError {
     /// The inner edge lies beyond the centre of the bend, where s is not defined.
     #[error(
         "too narrow a bend at {place}: its radius is {radius:.3} m, expected more than the \
-         inner width of {width:.3} m"
+         inner width of {width:.3} m; smooth the line more, or make the track narrower there"
     )]
     TooTight {
         /// Where.
@@ -168,6 +180,7 @@ impl TrackError {
     pub(super) fn line_and_column(&self) -> (usize, usize) {
         match self {
             Self::Syntax { line, column, .. } => (*line, *column),
+            Self::NoWidth { line } => (*line, 1),
             _ => (0, 0),
         }
     }

@@ -54,10 +54,16 @@ impl Track {
     }
 
     /// State in the Frenet frame of a pose and its velocities; `e_psi` in (-pi, pi]. The hint
-    /// is that of [`Track::project`].
+    /// is that of [`Track::project`]. Where the track crosses itself on a bridge and there is no
+    /// usable hint, the passage counts whose heading is nearest to that of the car.
     #[must_use]
     pub fn to_frenet(&self, g: &GlobalState, hint: Option<f64>) -> State {
-        let foot = self.project(g.x, g.y, hint);
+        let foot = self.project_near(g.x, g.y, hint, || {
+            if self.bridges.is_empty() {
+                return self.nearest(g.x, g.y);
+            }
+            self.nearest_heading(g).unwrap_or_else(|| self.nearest(g.x, g.y))
+        });
         State {
             v_x: g.v_x,
             v_y: g.v_y,
@@ -77,14 +83,25 @@ impl Track {
     /// point is more than a track width beyond the edge, while the nearest one has it inside.
     #[must_use]
     pub fn project(&self, x: f64, y: f64, hint: Option<f64>) -> Projection {
+        self.project_near(x, y, hint, || self.nearest(x, y))
+    }
+
+    /// [`Track::project`] with the piece and the distance in it that count without a hint.
+    fn project_near(
+        &self,
+        x: f64,
+        y: f64,
+        hint: Option<f64>,
+        nearest: impl Fn() -> (usize, f64),
+    ) -> Projection {
         let hint = hint.filter(|s| s.is_finite());
         let Some((i, u)) = hint.and_then(|s| self.follow(x, y, self.wrap(s))) else {
-            let (i, u) = self.nearest(x, y);
+            let (i, u) = nearest();
             return self.foot(i, u, x, y);
         };
         let warm = self.foot(i, u, x, y);
         if self.beyond_edge(&warm) > self.max_width {
-            let (i, u) = self.nearest(x, y);
+            let (i, u) = nearest();
             let cold = self.foot(i, u, x, y);
             if self.beyond_edge(&cold) <= 0.0 {
                 return cold;
@@ -136,6 +153,30 @@ impl Track {
             }
         }
         None
+    }
+
+    /// Piece and distance in it of the foot within the edges whose heading is nearest to that of
+    /// the pose; none if the pose is outside the track.
+    fn nearest_heading(&self, g: &GlobalState) -> Option<(usize, f64)> {
+        let n = self.path.len();
+        let mut best: Option<(f64, (usize, f64))> = None;
+        for i in 0..n {
+            let u = self.path.foot_in(i, g.x, g.y);
+            let foot = self.foot(i, u, g.x, g.y);
+            let (x_c, y_c) = self.path.point_in(i, u);
+            let distance = (g.x - x_c).hypot(g.y - y_c);
+            // The end of a piece is nearest only where the next piece begins with it.
+            let is_foot = distance - foot.e_y.abs() <= 1e-3 * self.max_width;
+            if !is_foot || self.beyond_edge(&foot) > 0.0 {
+                continue;
+            }
+            let turn = wrap_angle(g.psi - foot.heading).abs();
+            if best.is_none_or(|(least, _)| turn < least) {
+                best = Some((turn, (i, u)));
+            }
+        }
+        let (_, (i, u)) = best?;
+        self.follow(g.x, g.y, self.wrap(self.path.start_of(i) + u)).or(Some((i, u)))
     }
 
     /// Piece and distance in it of the nearest point of the whole centre line.

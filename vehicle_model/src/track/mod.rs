@@ -32,7 +32,7 @@ mod survey;
 mod widths;
 mod write;
 
-pub use changes::{Change, ImportOptions, Imported, Side};
+pub use changes::{Change, ImportOptions, Imported, Origin, Side};
 pub use error::{Place, TrackError};
 pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
@@ -51,6 +51,7 @@ pub struct Track {
     name: String,
     path: Path,
     widths: Widths,
+    bridges: Vec<(Place, Place)>,
     length: f64,
     max_abs_kappa: f64,
     min_width: f64,
@@ -95,14 +96,30 @@ impl Track {
     }
 
     /// The track of parts that have been checked.
-    fn assemble(name: &str, path: Path, widths: Widths, fingerprint: u64) -> Self {
+    fn assemble(
+        name: &str,
+        path: Path,
+        widths: Widths,
+        bridges: Vec<(Place, Place)>,
+        fingerprint: u64,
+    ) -> Self {
         let last = path.len() - 1;
         let length = path.start_of(last) + path.length_of(last);
         let max_abs_kappa =
             (0..path.len()).map(|i| path.kappa_in(i, 0.0).abs()).fold(0.0, f64::max);
         let (min_width, max_width) = widths.range();
         let name = name.to_owned();
-        Self { name, path, widths, length, max_abs_kappa, min_width, max_width, fingerprint }
+        Self {
+            name,
+            path,
+            widths,
+            bridges,
+            length,
+            max_abs_kappa,
+            min_width,
+            max_width,
+            fingerprint,
+        }
     }
 
     /// Name of the track.
@@ -184,6 +201,12 @@ impl Track {
     #[must_use]
     pub fn narrowest(&self) -> f64 {
         self.min_width
+    }
+
+    /// Where the centre line crosses itself, on a bridge: both passages of each crossing.
+    #[must_use]
+    pub fn bridges(&self) -> &[(Place, Place)] {
+        &self.bridges
     }
 
     /// Point of the centre line at s [m].

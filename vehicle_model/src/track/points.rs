@@ -142,18 +142,17 @@ pub(super) fn build(
     let (path, widths) = fit(points);
     problems.extend(tight_bends(&path, &widths));
     let last = path.len() - 1;
-    problems.extend(crossing::find(
-        &path,
-        path.start_of(last) + path.length_of(last),
-        widths.range().1,
-    ));
+    let length = path.start_of(last) + path.length_of(last);
+    let bridges = crossing::find(&path, length, widths.range().1);
+    problems.extend(bridges.as_ref().err().into_iter().flatten().cloned());
     if !problems.is_empty() {
         return Err(problems);
     }
+    let bridges = bridges?;
     let hash = points
         .iter()
         .fold(Fnv1a::new(), |hash, p| hash.with(&[p.x, p.y, p.width_left, p.width_right]));
-    Ok(Track::assemble(name, path, widths, hash.finish()))
+    Ok(Track::assemble(name, path, widths, bridges, hash.finish()))
 }
 
 /// Numbers that are not finite or not positive where they must be.

@@ -91,13 +91,11 @@ pub(super) fn build(
         problems.push(TrackError::Open { end, gap, turn, tolerance: CLOSURE });
     }
     let (path, widths) = (Path::Arcs(arcs), Widths::new(spans));
-    if problems.is_empty() {
-        problems = crossing::find(&path, s, widths.range().1);
-    }
     if !problems.is_empty() {
         return Err(problems);
     }
-    Ok(Track::assemble(name, path, widths, hash.finish()))
+    let bridges = crossing::find(&path, s, widths.range().1)?;
+    Ok(Track::assemble(name, path, widths, bridges, hash.finish()))
 }
 
 impl Segment {

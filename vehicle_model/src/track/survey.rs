@@ -21,6 +21,8 @@ const INNER: f64 = 0.85;
 /// Widths beyond the largest by less than this share are not cut, so that a line that was cut
 /// before stays as it is.
 const ROUNDING: f64 = 1e-9;
+/// Least share of a width that a cut may leave; a bend that leaves less is an error in the file.
+const LEAST_CUT: f64 = 0.4;
 /// A track with more than this share of the lap cut has widths that do not belong to it.
 const MOST_CUT: f64 = 0.5;
 /// Cuts closer than this many points are one.
@@ -50,6 +52,9 @@ pub(super) fn build(
     let line = match strength {
         Some(strength) if survey.len() >= points::FEWEST => {
             check_gap(&survey, item)?;
+            if options.smooth.is_none() {
+                check_jumps(&survey, &own_item)?;
+            }
             let (line, change) = smoothed(&survey, strength, &own_item)?;
             changes.extend(change);
             line
@@ -68,7 +73,7 @@ pub(super) fn build(
         line
     };
     let track = points::build(name, &line, &own_item)?;
-    Ok(Imported { track, changes, points: given.to_vec(), line })
+    Ok(Imported { track, changes, points: given.to_vec(), line, origin: None })
 }
 
 /// Numbers of the points that do not repeat the one before them, and what was left out. A last
@@ -117,6 +122,36 @@ fn check_gap(survey: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Result<()
         .filter(|problem| matches!(problem, TrackError::Gap { .. }))
         .collect();
     if gap.is_empty() { Ok(()) } else { Err(gap) }
+}
+
+/// Single points far from their neighbours. Such a point's second difference stands between two
+/// of half its size in the other direction; a corner's stands alone.
+fn check_jumps(
+    survey: &[TrackPoint],
+    item: &dyn Fn(usize) -> String,
+) -> Result<(), Vec<TrackError>> {
+    let n = survey.len();
+    let at = |i: usize| &survey[i % n];
+    let bend = |i: usize| {
+        let (a, b, c) = (at(i + n - 1), at(i), at(i + 1));
+        (b.x - 0.5 * (a.x + c.x), b.y - 0.5 * (a.y + c.y))
+    };
+    let mut wrong = Vec::new();
+    let mut s = 0.0;
+    for (i, p) in survey.iter().enumerate() {
+        let place = Place { s, x: p.x, y: p.y };
+        s += distance(p, at(i + 1));
+        let (before, own, after) = (bend(i + n - 1), bend(i), bend(i + 1));
+        let against = |other: (f64, f64)| other.0 * own.0 + other.1 * own.1;
+        let square = own.0 * own.0 + own.1 * own.1;
+        let (a, c) = (at(i + n - 1), at(i + 1));
+        let off = ((c.x - a.x) * own.1 - (c.y - a.y) * own.0).abs() / distance(a, c);
+        let limit = OUTLIER * (p.width_left + p.width_right);
+        if off > limit && against(before).max(against(after)) < -0.25 * square {
+            wrong.push(TrackError::Outlier { item: item(i), place, distance: off, limit });
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong) }
 }
 
 /// The points of a smooth line, with the edges where they were, and what was moved.
@@ -253,6 +288,7 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
     let mut changes = Vec::new();
     let mean = mean_width(&line);
     let mut cut = 0;
+    let mut tight = None;
     for side in [Side::Left, Side::Right] {
         let mut open: Option<(usize, usize, f64, f64)> = None;
         let close = |open: Option<(usize, usize, f64, f64)>, changes: &mut Vec<Change>| {
@@ -270,6 +306,10 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
                 continue;
             }
             let (before, after) = (*width, INNER / kappa);
+            if after < LEAST_CUT * before && tight.is_none() {
+                let place = Place { s: starts[i], x: p.x, y: p.y };
+                tight = Some(TrackError::TooTight { place, radius: 1.0 / kappa, width: before });
+            }
             *width = after;
             cut += 1;
             open = match open {
@@ -291,5 +331,8 @@ fn clip(mut line: Vec<TrackPoint>) -> Result<(Vec<TrackPoint>, Vec<Change>), Vec
         let (share, limit) = (100.0 * share, 100.0 * MOST_CUT);
         return Err(vec![TrackError::Scale { share, length, width: mean, limit }]);
     }
-    Ok((line, changes))
+    match tight {
+        Some(tight) => Err(vec![tight]),
+        None => Ok((line, changes)),
+    }
 }

@@ -1,7 +1,7 @@
 //! Tracks in our own file format.
 
 use super::path::Path;
-use super::{Track, TrackPoint};
+use super::{Origin, Track, TrackPoint};
 use std::fmt::Write as _;
 
 impl Track {
@@ -32,13 +32,20 @@ impl Track {
     }
 }
 
-/// Points of a centre line in our own format, to be taken as they are.
+/// Points of a centre line in our own format, to be taken as they are, with the place on the
+/// globe of x = y = 0 where it is known.
 #[must_use]
-pub fn points_to_toml(name: &str, points: &[TrackPoint]) -> String {
+pub fn points_to_toml(name: &str, points: &[TrackPoint], origin: Option<Origin>) -> String {
     let n = points.len();
     let length = (0..n).map(|i| (points[i], points[(i + 1) % n]));
     let length: f64 = length.map(|(a, b)| (b.x - a.x).hypot(b.y - a.y)).sum();
     let mut text = head(name, length);
+    if let Some(Origin { latitude, longitude, height }) = origin {
+        let _ = writeln!(
+            text,
+            "origin_lat_deg = {latitude:?}\norigin_lon_deg = {longitude:?}\norigin_height_m = {height:?}"
+        );
+    }
     text.push_str("smooth_m = 0.0\npoint = [\n");
     for TrackPoint { x, y, width_left, width_right } in points {
         let _ = writeln!(

@@ -1,5 +1,8 @@
 //! Readers of track files. They take text and give a track or everything wrong with the text.
 
+mod columns;
+mod geojson;
+mod globe;
 mod points_toml;
 mod segments_toml;
 mod table;
@@ -7,8 +10,9 @@ mod table;
 use super::{ImportOptions, Imported, Track, TrackError};
 
 /// File formats, for messages.
-const FORMATS: &str = "a track: segments in TOML, a comma-separated centre line \
-     (x_m, y_m, w_tr_right_m, w_tr_left_m) or a TTL table of 17 columns";
+const FORMATS: &str = "a track: segments or points in TOML, a comma-separated centre line \
+     (x_m, y_m, w_tr_right_m, w_tr_left_m; lat, lon; x, y), a TUM raceline, a TTL table of 17 \
+     columns, or GeoJSON";
 
 impl Track {
     /// The track of our own format: straights and arcs in TOML.
@@ -50,7 +54,11 @@ impl Track {
     /// - segments in TOML, see [`Track::from_toml`];
     /// - the centre lines of the TUMFTM race track database and of F1TENTH: columns x, y, right
     ///   width, left width, separated by commas, after a `#` line that names them;
-    /// - the 17-column TTL tables of the paper's authors, whose edge points give the widths.
+    /// - the same with other columns that a header names: `x, y` without widths, `lat, lon` and
+    ///   perhaps `height`, which are projected to the plane that touches the globe there;
+    /// - the racelines of TUMFTM, of 7 columns;
+    /// - the 17-column TTL tables of the paper's authors, whose edge points give the widths;
+    /// - a line of GeoJSON.
     ///
     /// Points are smoothed as their noise asks for, see [`Track::import`]; segments are exact.
     /// The file's name gives the track its name where the text does not.
@@ -86,6 +94,11 @@ impl Track {
 
 /// The track, or everything wrong with the text.
 fn read(file_name: &str, text: &str, options: &ImportOptions) -> Result<Imported, Vec<TrackError>> {
+    let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
+    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
+    if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+        return geojson::read(stem, text, options);
+    }
     let looks_like_toml = |line: &str| {
         let line = line.trim_start();
         !line.starts_with('#') && (line.starts_with('[') || line.contains('='))
@@ -93,8 +106,6 @@ fn read(file_name: &str, text: &str, options: &ImportOptions) -> Result<Imported
     if text.lines().any(looks_like_toml) {
         return segments_toml::read(text, options);
     }
-    let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
-    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
     table::read(stem, text, options)
 }
 

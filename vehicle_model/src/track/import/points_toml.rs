@@ -1,12 +1,14 @@
 //! Our own track format with points of the centre line in place of segments.
 
 use super::segments_toml::{POSITIVE, Reader};
-use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, survey};
+use crate::track::{ImportOptions, Imported, Origin, TrackError, TrackPoint, survey};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Keys of the file.
-const KEYS: [&str; 3] = ["name", "smooth_m", "point"];
+const KEYS: [&str; 6] = ["name", "smooth_m", "point", ORIGIN[0], ORIGIN[1], ORIGIN[2]];
+/// Keys of the place on the globe of x = y = 0.
+const ORIGIN: [&str; 3] = ["origin_lat_deg", "origin_lon_deg", "origin_height_m"];
 /// Keys of a point.
 const POINT_KEYS: [&str; 4] = ["x_m", "y_m", "width_left_m", "width_right_m"];
 
@@ -20,6 +22,13 @@ pub(super) fn read(
     let name = reader.name(table);
     let not_negative = |v: f64| v >= 0.0;
     let smooth = reader.number(table, "smooth_m", "a number of at least 0", not_negative);
+    let [latitude, longitude, height] =
+        ORIGIN.map(|key| reader.number(table, key, "a finite number", |_| true));
+    let origin = latitude.zip(longitude).map(|(latitude, longitude)| Origin {
+        latitude,
+        longitude,
+        height: height.unwrap_or(0.0),
+    });
     let entries = table.get("point").and_then(|value| value.get_ref().as_array());
     if entries.is_none() {
         reader.wrong(0..0, "point is no list", "point = [ { x_m = .., y_m = .., .. }, .. ]");
@@ -34,8 +43,9 @@ pub(super) fn read(
         Some(line) => format!("line {line}: point {}", i + 1),
         None => format!("point {}", i + 1),
     };
-    let options = ImportOptions { smooth: options.smooth.or(smooth) };
-    survey::build(&name, &points, &options, &item)
+    let options = ImportOptions { smooth: options.smooth.or(smooth), ..*options };
+    let imported = survey::build(&name, &points, &options, &item)?;
+    Ok(Imported { origin, ..imported })
 }
 
 /// A point with its line.

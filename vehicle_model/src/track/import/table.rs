@@ -1,15 +1,15 @@
 //! Centre lines as tables of numbers: one point a line.
 
 use super::FORMATS;
+use super::columns::{Columns, Position, WidthColumns};
+use super::globe::{self, Fix};
 use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, survey};
-
-/// Number of columns of a TTL table.
-const TTL: usize = 17;
-/// Names of the centre line's columns, in the order they have without a header.
-const CENTRE_LINE: [&str; 4] = ["x_m", "y_m", "w_tr_right_m", "w_tr_left_m"];
 
 /// A number and the column of its first character, from 1.
 type Cell = (f64, usize);
+
+/// More wrong widths than this have one cause.
+const MOST_PROBLEMS: usize = 5;
 
 /// A line of numbers.
 struct Row {
@@ -33,11 +33,11 @@ pub(super) fn read(
             continue;
         }
         if let Some(comment) = content.trim_start().strip_prefix('#') {
-            header = header.or_else(|| columns_of(comment));
+            header = header.or_else(|| Columns::named(comment));
             continue;
         }
         if rows.is_empty() && header.is_none() {
-            header = columns_of(content);
+            header = Columns::named(content);
             if header.is_some() {
                 continue;
             }
@@ -47,19 +47,12 @@ pub(super) fn read(
             Err(wrong) => problems.extend(wrong),
         }
     }
-    let columns = match (&header, rows.first()) {
-        (Some((_, columns)), _) => *columns,
-        (None, Some(row)) if row.cells.len() == TTL => TTL,
-        (None, _) => CENTRE_LINE.len(),
-    };
-    for row in rows.iter().filter(|row| row.cells.len() != columns) {
+    let columns =
+        header.unwrap_or_else(|| Columns::unnamed(rows.first().map_or(0, |row| row.cells.len())));
+    for row in rows.iter().filter(|row| row.cells.len() != columns.count) {
         let found = format!("{} columns", row.cells.len());
-        let column = row.cells.get(columns).or(row.cells.last()).map_or(1, |cell| cell.1);
-        let expected = match header {
-            Some(_) => format!("{columns} columns, as the header names"),
-            None if columns == TTL => format!("{TTL} columns, as in the first line"),
-            None => format!("{columns} columns ({}), or {TTL} (TTL)", CENTRE_LINE.join(", ")),
-        };
+        let column = row.cells.get(columns.count).or(row.cells.last()).map_or(1, |cell| cell.1);
+        let expected = columns.expected(header.is_some());
         problems.push(TrackError::Syntax { line: row.line, column, found, expected });
     }
     if problems.is_empty() && rows.is_empty() {
@@ -70,26 +63,30 @@ pub(super) fn read(
         problems.sort_by_key(TrackError::line_and_column);
         return Err(problems);
     }
-    let points = match header {
-        None if columns == TTL => ttl_points(&rows),
-        _ => centre_line_points(&rows, header.map_or([0, 1, 2, 3], |(order, _)| order)),
-    }?;
+    let cell = |row: &Row, i: usize| row.cells[i].0;
+    let (places, origin) = match columns.position {
+        Position::Plane(x, y) => (rows.iter().map(|r| (cell(r, x), cell(r, y))).collect(), None),
+        Position::Globe(lat, lon, height) => {
+            let fixes: Vec<Fix> = rows
+                .iter()
+                .map(|r| Fix {
+                    latitude: cell(r, lat),
+                    longitude: cell(r, lon),
+                    height: height.map_or(0.0, |h| cell(r, h)),
+                })
+                .collect();
+            let line = |i: usize| format!("line {}: point {}", rows[i].line, i + 1);
+            let (places, origin) = globe::project(&fixes, &line)?;
+            (places, Some(origin))
+        }
+    };
+    let points = with_widths(&rows, &places, columns.widths, options.half_width)?;
     let item = |i: usize| match rows.get(i) {
         Some(row) => format!("line {}: point {}", row.line, i + 1),
         None => format!("point {}", i + 1),
     };
-    survey::build(name, &points, options, &item)
-}
-
-/// Where a header has the columns x, y, right and left width, and how many it has.
-fn columns_of(header: &str) -> Option<([usize; 4], usize)> {
-    let names: Vec<&str> =
-        header.split([',', ';', ' ', '\t']).map(str::trim).filter(|n| !n.is_empty()).collect();
-    let mut order = [0; 4];
-    for (place, wanted) in order.iter_mut().zip(CENTRE_LINE) {
-        *place = names.iter().position(|name| *name == wanted)?;
-    }
-    Some((order, names.len()))
+    let imported = survey::build(name, &points, options, &item)?;
+    Ok(Imported { origin, ..imported })
 }
 
 /// The numbers of a line, separated by commas, semicolons or blanks; or what is none.
@@ -123,52 +120,72 @@ fn numbers(line: usize, content: &str) -> Result<Vec<Cell>, Vec<TrackError>> {
     if problems.is_empty() { Ok(cells) } else { Err(problems) }
 }
 
-/// Points of a centre line; `order` says where x, y, right and left width stand.
-fn centre_line_points(rows: &[Row], order: [usize; 4]) -> Result<Vec<TrackPoint>, Vec<TrackError>> {
+/// The places with their widths; the edge point of a TTL table must lie on its side of the line.
+fn with_widths(
+    rows: &[Row],
+    places: &[(f64, f64)],
+    columns: WidthColumns,
+    half_width: Option<f64>,
+) -> Result<Vec<TrackPoint>, Vec<TrackError>> {
+    let n = rows.len();
     let mut problems = Vec::new();
-    let mut points = Vec::with_capacity(rows.len());
-    for Row { line, cells } in rows {
-        let [x, y, right, left] = order.map(|i| cells[i]);
-        for (name, (width, column)) in [(CENTRE_LINE[2], right), (CENTRE_LINE[3], left)] {
+    let mut points = Vec::with_capacity(n);
+    for (i, (row, &(x, y))) in rows.iter().zip(places).enumerate() {
+        let mut positive = |name: &str, column: usize| {
+            let (width, column) = row.cells[column];
             if width <= 0.0 {
                 problems.push(TrackError::Syntax {
-                    line: *line,
+                    line: row.line,
                     column,
                     found: format!("{name} of {width} m"),
                     expected: "a width above 0 m".to_owned(),
                 });
             }
-        }
-        points.push(TrackPoint { x: x.0, y: y.0, width_left: left.0, width_right: right.0 });
-    }
-    if problems.is_empty() { Ok(points) } else { Err(problems) }
-}
-
-/// Points of a TTL table: x, y in the columns 1 and 2, the left edge in 10 and 11, the right
-/// edge in 12 and 13. An edge point must lie on its side of the centre line.
-fn ttl_points(rows: &[Row]) -> Result<Vec<TrackPoint>, Vec<TrackError>> {
-    let n = rows.len();
-    let mut problems = Vec::new();
-    let mut points = Vec::with_capacity(n);
-    for (i, Row { line, cells }) in rows.iter().enumerate() {
-        let (x, y) = (cells[0].0, cells[1].0);
-        let (before, after) = (&rows[(i + n - 1) % n].cells, &rows[(i + 1) % n].cells);
-        let (along_x, along_y) = (after[0].0 - before[0].0, after[1].0 - before[1].0);
-        let mut width = |first: usize, side: f64, name: &str| {
-            let (dx, dy) = (cells[first].0 - x, cells[first + 1].0 - y);
-            if side * (along_x * dy - along_y * dx) <= 0.0 {
-                problems.push(TrackError::Syntax {
-                    line: *line,
-                    column: cells[first].1,
-                    found: format!("a {name} edge point that is not {name} of the centre line"),
-                    expected: format!("a point to the {name}, in the order of driving"),
-                });
-            }
-            // Not hypot: its last bit, and with it the fingerprint, depends on the platform.
-            (dx * dx + dy * dy).sqrt()
+            width
         };
-        let (width_left, width_right) = (width(9, 1.0, "left"), width(11, -1.0, "right"));
+        let (width_left, width_right) = match columns {
+            WidthColumns::Sides(right, left) => {
+                let right = positive("w_tr_right_m", right);
+                (positive("w_tr_left_m", left), right)
+            }
+            WidthColumns::Whole(width) => {
+                let half = 0.5 * positive("width", width);
+                (half, half)
+            }
+            WidthColumns::Edges(left, right) => {
+                let (before, after) = (places[(i + n - 1) % n], places[(i + 1) % n]);
+                let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
+                let mut width = |[x_at, y_at]: [usize; 2], side: f64, name: &str| {
+                    let (dx, dy) = (row.cells[x_at].0 - x, row.cells[y_at].0 - y);
+                    if side * (along_x * dy - along_y * dx) <= 0.0 {
+                        problems.push(TrackError::Syntax {
+                            line: row.line,
+                            column: row.cells[x_at].1,
+                            found: format!(
+                                "a {name} edge point that is not {name} of the centre line"
+                            ),
+                            expected: format!("a point to the {name}, in the order of driving"),
+                        });
+                    }
+                    // Not hypot: its last bit, and with it the fingerprint, depends on the platform.
+                    (dx * dx + dy * dy).sqrt()
+                };
+                (width(left, 1.0, "left"), width(right, -1.0, "right"))
+            }
+            WidthColumns::Absent => match half_width {
+                Some(half) => (half, half),
+                None => return Err(vec![TrackError::NoWidth { line: row.line }]),
+            },
+        };
         points.push(TrackPoint { x, y, width_left, width_right });
+    }
+    if problems.len() > MOST_PROBLEMS
+        && let Some(TrackError::Syntax { line, column, found, expected }) = problems.first()
+    {
+        let (line, column) = (*line, *column);
+        let found = format!("{found}, and {} more like it", problems.len() - 1);
+        let expected = format!("{expected}; check the order of the columns");
+        return Err(vec![TrackError::Syntax { line, column, found, expected }]);
     }
     if problems.is_empty() { Ok(points) } else { Err(problems) }
 }

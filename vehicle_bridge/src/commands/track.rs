@@ -1,0 +1,90 @@
+//! `lmpc track`.
+
+use std::fs;
+
+use anyhow::{Context as _, Result, bail};
+use vehicle_model::Track;
+use vehicle_model::track::{ImportOptions, Imported, random};
+
+use super::{Outcome, track_page};
+use crate::cli::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
+use crate::console::result;
+use crate::race::load;
+
+/// Most problems of a file that are printed.
+const MOST_PROBLEMS: usize = 10;
+
+/// Shows, converts or makes a track.
+pub(super) fn run(args: &TrackArgs) -> Result<Outcome> {
+    match &args.action {
+        TrackAction::Show(args) => show(args),
+        TrackAction::Convert(args) => convert(args),
+        TrackAction::Random(args) => write_random(args),
+    }
+}
+
+/// The track of a file or name with what became of its points.
+fn import(name: &str, args: &ImportArgs) -> Result<Imported> {
+    if let Some(track) = Track::builtin(name) {
+        return Ok(Imported::exact(track));
+    }
+    let text = load::track_text(name)?;
+    let half = args.width.map(|width| 0.5 * width);
+    let options = ImportOptions { smooth: args.smooth, half_width: half };
+    match Track::import(name, &text, &options) {
+        Ok(imported) => Ok(imported),
+        Err(problems) => {
+            let mut lines: Vec<String> =
+                problems.iter().take(MOST_PROBLEMS).map(ToString::to_string).collect();
+            if problems.len() > MOST_PROBLEMS {
+                lines.push(format!("and {} more", problems.len() - MOST_PROBLEMS));
+            }
+            bail!("{name}: {}", lines.join("\n  "));
+        }
+    }
+}
+
+/// Prints the track's numbers and every change.
+fn print(imported: &Imported) -> Result<()> {
+    let track = &imported.track;
+    let radius = 1.0 / track.max_abs_kappa();
+    result(&format!(
+        "{}: {:.2} m, at least {:.3} m wide, least radius {radius:.3} m",
+        track.name(),
+        track.length(),
+        track.narrowest()
+    ))?;
+    if imported.changes.is_empty() {
+        result("  nothing changed")?;
+    }
+    for change in &imported.changes {
+        result(&format!("  {change}"))?;
+    }
+    Ok(())
+}
+
+fn show(args: &ShowArgs) -> Result<Outcome> {
+    let imported = import(&args.file, &args.import)?;
+    print(&imported)?;
+    if let Some(out) = &args.out {
+        let page = track_page::html(&imported, &args.file);
+        fs::write(out, page).with_context(|| format!("cannot write {}", out.display()))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn convert(args: &ConvertArgs) -> Result<Outcome> {
+    let imported = import(&args.file, &args.import)?;
+    print(&imported)?;
+    fs::write(&args.out, imported.to_toml())
+        .with_context(|| format!("cannot write {}", args.out.display()))?;
+    Ok(Outcome::Done)
+}
+
+fn write_random(args: &RandomArgs) -> Result<Outcome> {
+    let imported = Imported::exact(random(args.seed, &load::car(&args.car)?)?);
+    print(&imported)?;
+    fs::write(&args.out, imported.to_toml())
+        .with_context(|| format!("cannot write {}", args.out.display()))?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,98 @@
+//! Formats without widths, and positions on the globe.
+
+#![allow(clippy::unwrap_used)]
+
+mod track_common;
+
+use std::fmt::Write;
+use track_common::ellipse;
+use vehicle_model::track::{ImportOptions, Imported};
+use vehicle_model::{Track, TrackError};
+
+/// The file with a half width of 4 m.
+fn import(file: &str, text: &str) -> Imported {
+    Track::import(file, text, &ImportOptions { half_width: Some(4.0), ..Default::default() })
+        .unwrap()
+}
+
+/// Degrees of latitude and longitude of a place near (50, 8) degrees, by the radii of curvature
+/// of the ellipsoid there.
+fn degrees(x: f64, y: f64) -> (f64, f64) {
+    let (a, e2) = (6_378_137.0, 6.694_379_990_141e-3);
+    let (sin, cos) = 50.0_f64.to_radians().sin_cos();
+    let w = 1.0 - e2 * sin * sin;
+    let (meridian, transverse) = (a * (1.0 - e2) / (w * w.sqrt()), a / w.sqrt());
+    (50.0 + (y / meridian).to_degrees(), 8.0 + (x / (transverse * cos)).to_degrees())
+}
+
+#[test]
+fn tables_without_widths_are_the_line_with_the_given_one() {
+    let points = ellipse(90);
+    let (mut plain, mut raceline) =
+        (String::new(), "# s_m; x_m; y_m; psi_rad; kappa_radpm; vx_mps; ax_mps2\n".to_owned());
+    for p in &points {
+        writeln!(plain, "{}, {}", p.x, p.y).unwrap();
+        writeln!(raceline, "0.0;{};{};0.0;0.0;30.0;0.0", p.x, p.y).unwrap();
+    }
+    let bare: String = raceline.lines().skip(1).flat_map(|line| [line, "\n"]).collect();
+    let same: Vec<_> = points
+        .iter()
+        .map(|p| vehicle_model::track::TrackPoint { width_left: 4.0, width_right: 4.0, ..*p })
+        .collect();
+    let exact = Track::from_points("a", &same).unwrap();
+    for text in [&plain, &raceline, &bare, &format!("x,y\n{plain}")] {
+        let imported = import("a.csv", text);
+        assert_eq!(imported.track, exact);
+        assert_eq!(imported.origin, None);
+        let error = Track::parse("a.csv", text).unwrap_err();
+        assert!(matches!(error, TrackError::NoWidth { .. }), "{error}");
+    }
+    let text = points.iter().fold("x,y,width_m\n".to_owned(), |mut text, p| {
+        writeln!(text, "{},{},8.0", p.x, p.y).unwrap();
+        text
+    });
+    assert_eq!(Track::parse("a.csv", &text).unwrap(), exact);
+}
+
+#[test]
+fn positions_on_the_globe_have_their_true_shape() {
+    let points = ellipse(90);
+    let exact = Track::from_points("a", &points).unwrap();
+    let mut table = "lat,lon,height\n".to_owned();
+    let mut places = Vec::new();
+    for p in &points {
+        let (lat, lon) = degrees(p.x, p.y);
+        writeln!(table, "{lat},{lon},320.5").unwrap();
+        places.push(format!("[{lon}, {lat}, 320.5]"));
+    }
+    // A ring repeats its first position.
+    places.push(places[0].clone());
+    let line = |kind: &str, coordinates: String| {
+        format!(
+            "{{\"type\": \"FeatureCollection\", \"features\": [{{\"type\": \"Feature\", \
+             \"properties\": {{\"name\": \"ring\", \"width\": \"8\"}}, \
+             \"geometry\": {{\"type\": \"{kind}\", \"coordinates\": {coordinates}}}}}]}}"
+        )
+    };
+    let list = format!("[{}]", places.join(","));
+    for (file, text) in [
+        ("a.csv", table),
+        ("a.geojson", line("LineString", list.clone())),
+        ("a.geojson", line("Polygon", format!("[{list}]"))),
+    ] {
+        let Imported { track, origin, line, .. } = import(file, &text);
+        let origin = origin.unwrap();
+        assert!((origin.latitude - 50.0).abs() < 1e-4 && (origin.height - 320.5).abs() < 1e-9);
+        // At 320 m above the ellipsoid a degree is longer by 320 m in the radius of the earth.
+        let scale = 1.0 + 320.5 / 6_380_000.0;
+        assert!((track.length() - scale * exact.length()).abs() < 0.01, "{}", track.length());
+        assert!((track.max_abs_kappa() / exact.max_abs_kappa() - 1.0).abs() < 0.02);
+        assert!(line.iter().all(|p| (p.width_left - 4.0).abs() < 0.02));
+    }
+    // The origin is kept.
+    let imported = import("a.geojson", &line("LineString", list));
+    assert_eq!(imported.track.name(), "ring");
+    let text = imported.to_toml();
+    let again = Track::import("ring.toml", &text, &ImportOptions::default()).unwrap();
+    assert_eq!((again.origin, again.track), (imported.origin, imported.track));
+}
