@@ -284,11 +284,7 @@ impl Config {
     ///
     /// # Errors
     /// As [`Config::from_toml`].
-    pub fn from_toml_for(
-        text: &str,
-        car: &CarParams,
-        track: &Track,
-    ) -> Result<Self, ConfigError> {
+    pub fn from_toml_for(text: &str, car: &CarParams, track: &Track) -> Result<Self, ConfigError> {
         let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
         Self::over(&Self::derived(direct.preset, car, track), text)
     }

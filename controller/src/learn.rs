@@ -50,8 +50,7 @@ impl Controller {
         }
         let chosen = selected.iter().map(|&i| &*laps[i]);
         let (car, track) = (&self.setup.car, &self.setup.track);
-        derived.envelope =
-            Envelope::new(&config.envelope, car, self.memory.grip, track, chosen);
+        derived.envelope = Envelope::new(&config.envelope, car, self.memory.grip, track, chosen);
         derived.selected = selected;
         derived.regression.forget_before(first);
         for lap in derived.regression.next_lap(first)..laps.len() {

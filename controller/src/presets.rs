@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
-    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
-    WarmUpConfig,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
+    NominalConfig, NominalModel, RegressionConfig, RegressionMode, SafeSetConfig, Selection,
+    SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 /// A named set of settings.

@@ -1,9 +1,9 @@
 //! What is learned from the car's own laps: data, safe set, error model, grip.
 
 pub mod dataset;
+pub(crate) mod envelope;
 pub(crate) mod grip;
 pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;
 pub mod safe_set;
-pub(crate) mod envelope;
