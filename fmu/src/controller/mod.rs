@@ -24,7 +24,8 @@ use slots::Slots;
 
 /// The controller behind FMI: solves at every tick of its period, holds its command between.
 pub struct ControllerFmu {
-    controller: Controller,
+    /// On the heap: it is large, and a host's thread may have a small stack.
+    controller: Box<Controller>,
     /// Configuration without the tunable numbers, and those as they act.
     base: Config,
     tuned: Tuned,
@@ -111,7 +112,7 @@ impl ControllerFmu {
         let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
         let mut next = Controller::new(config, car, track).map_err(start::failed)?;
         next.resume(&self.controller.state());
-        (self.controller, self.tuned) = (next, tuned);
+        (self.controller, self.tuned) = (Box::new(next), tuned);
         Ok(())
     }
 

@@ -54,7 +54,7 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     let schedule = Schedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
     let (base, tuned) = (config.clone(), slots.settings.start(io.values, &config));
     slots.settings.tune(&tuned, &mut config);
-    let mut controller = Controller::new(config, car, track).map_err(failed)?;
+    let mut controller = Box::new(Controller::new(config, car, track).map_err(failed)?);
     let path = io.values.text(slots.load);
     if !path.is_empty() {
         let named =
