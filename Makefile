@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test fmu fmu-test fmu-old release lint bench clean
+.PHONY: race test fmu fmu-test fmu-old lint bench clean
 
 race:
 	tools/setup.sh race
@@ -27,24 +27,20 @@ fmu:
 	tools/fmu.sh
 	cargo run --quiet --release -p vehicle_bridge --bin lmpc -- fmu pack $(FMU)/lib --out out/fmu
 
-# Both FMUs in every importer that is not ours, under Valgrind and under wine.
+# Both FMUs in every importer that is not ours, under Valgrind, wine and qemu.
 fmu-test: fmu
 	tools/setup.sh fmu fmu-test
 	tools/fmu_check.sh
 	tools/fmu_host_check.sh
+	tools/fmu_bits.sh
 	tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
 	tests/interop/bridged_cars.sh fmu:$(FMU)/check/foreign/DegreesVehicle.fmu \
 		examples/fmu/degrees_map.toml
 
-# The FMUs and the program in a Debian 11 (glibc 2.31) of their own; needs root for the chroot.
-fmu-old: fmu release
+# The FMUs in a Debian 11 (glibc 2.31) of their own; needs root for the chroot.
+fmu-old: fmu
 	tools/setup.sh fmu-old
 	tools/fmu_old.sh
-
-# The program for other machines, glibc 2.17 or newer, in out/release.
-release:
-	tools/setup.sh race fmu
-	tools/release.sh
 
 lint:
 	cargo fmt --check

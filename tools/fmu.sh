@@ -35,3 +35,6 @@ for platform in ${*:-x64 arm64 windows}; do
         *) echo "unknown platform '$platform'; expected x64, arm64 or windows" >&2 && exit 2 ;;
     esac
 done
+
+set -- "$out"/lib/*-linux-gnu/*.so
+[ ! -e "$1" ] || tools/glibc_floor.sh "$GLIBC" "$@"
