@@ -103,3 +103,19 @@ fn looks_like_file(name: &str) -> bool {
 fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_centre_line_is_named_with_both_lengths() {
+        let [l, road] = ["l", "road_course"].map(|name| Track::builtin(name).unwrap());
+        let saved = CentreLine::of(&l);
+        saved.require(&l).unwrap();
+        let text = saved.require(&road).unwrap_err().to_string();
+        for length in [l.length(), road.length()] {
+            assert!(text.contains(&format!("{length} m")), "{text}");
+        }
+    }
+}
