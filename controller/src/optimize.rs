@@ -257,7 +257,7 @@ impl<'a> Dissipation<'a> {
         let lift = 0.5 * car.rho * car.area * [car.cl_front, car.cl_rear][axle];
         let load = car.static_loads()[axle] + lift * v_x * v_x;
         let alpha = alpha.abs().max(1e-3);
-        let (sin, _) = ((tyre.b * alpha).atan() * tyre.c).sin_cos();
+        let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
         let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
         self.factor * stiffness / (car.mass * v_x.max(SLOW))
     }

@@ -75,8 +75,8 @@ impl Tracker {
         let reach = (REACH_WHEELBASES * self.wheelbase).max(REACH_TIME * x.v_x);
         let kappa = track.kappa(x.s);
         let parallel = kappa / (1.0 - kappa * x.e_y).max(0.2);
-        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * x.e_psi.sin() / reach;
-        (self.wheelbase * wanted).atan().clamp(self.least.delta, self.most.delta)
+        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * libm::sin(x.e_psi) / reach;
+        libm::atan(self.wheelbase * wanted).clamp(self.least.delta, self.most.delta)
     }
 
     /// Friction circle: what the lateral acceleration leaves of the grip.

@@ -5,12 +5,15 @@
 //! steering, curvature and lateral deviation are positive to the left. All units are SI and
 //! radians.
 #![forbid(unsafe_code)]
+// The same bits on every machine: no function of the platform's mathematical library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod discretized;
 pub mod error;
 mod fingerprint;
 pub mod limiter;
 pub mod model;
+pub mod normal;
 mod number;
 pub mod outline;
 pub mod params;

@@ -106,7 +106,8 @@ impl Model {
     pub fn utilisation(&self, forces: &AxleForces<f64>) -> [f64; 2] {
         let mu = [self.params.tyre_front.mu, self.params.tyre_rear.mu];
         std::array::from_fn(|i| {
-            forces.long[i].hypot(forces.lateral[i]) / (mu[i] * self.grip[i] * forces.vertical[i])
+            libm::hypot(forces.long[i], forces.lateral[i])
+                / (mu[i] * self.grip[i] * forces.vertical[i])
         })
     }
 
