@@ -20,6 +20,7 @@ pub mod race;
 pub mod report;
 pub mod safety;
 pub mod settings;
+pub mod shutdown;
 pub mod study;
 pub mod top;
 pub mod transport;

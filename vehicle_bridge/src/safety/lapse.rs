@@ -34,6 +34,9 @@ pub enum Lapse {
     /// The operator.
     #[error("the operator's order")]
     Operator,
+    /// The bridge is being ended.
+    #[error("the bridge is being ended")]
+    End,
     /// The car failed.
     #[error("the car failed")]
     Car,

@@ -6,8 +6,11 @@
 
 mod check;
 mod command;
+mod controllers;
 mod lapse;
+mod obey;
 mod order;
+mod published;
 mod rate;
 mod rules;
 mod step;
@@ -20,6 +23,6 @@ pub use check::decode;
 pub use command::{Offer, PLAN, Reject};
 pub use lapse::Lapse;
 pub use order::{Denied, Order, OrderKind};
-pub use rules::Rules;
+pub use rules::{Rules, Setup};
 pub use step::{Safety, step};
 pub use types::{Answer, Counts, Event, Output, Phase, Source};

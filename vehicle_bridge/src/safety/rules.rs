@@ -5,6 +5,19 @@ use std::sync::Arc;
 use controller::Tracker;
 use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
 
+/// What a controller, or a bridge, was set up with. A value of 0 is not compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Setup {
+    /// CRC-32 of the track. \[-\]
+    pub track_id: i64,
+    /// CRC-32 of the car's parameters. \[-\]
+    pub car_id: i64,
+    /// CRC-32 of the controller's configuration. \[-\]
+    pub config_id: i64,
+    /// Control period. \[ns\]
+    pub period_ns: i64,
+}
+
 /// Limits and times of a bridge.
 #[derive(Debug, Clone)]
 pub struct Rules {
@@ -30,8 +43,8 @@ pub struct Rules {
     pub still: f64,
     /// This start of the bridge, as in its states' headers. \[-\]
     pub boot_id: i64,
-    /// What both ends call the track. \[-\]
-    pub track_id: i64,
+    /// What the controller must be set up with to be armed.
+    pub setup: Setup,
     /// Box, rates and speed cap of what is sent.
     pub limiter: Limiter,
     pub(super) track: Arc<Track>,
@@ -59,7 +72,12 @@ impl Rules {
             start_ns: 1000 * MS,
             still: 0.1,
             boot_id: 0,
-            track_id: crate::network::convert::track_id(track),
+            setup: Setup {
+                track_id: crate::network::convert::track_id(track),
+                car_id: crate::network::convert::car_id(car),
+                config_id: 0,
+                period_ns,
+            },
             limiter: Limiter::new(car),
             track: Arc::clone(track),
             tracker: Tracker::new(car),
