@@ -171,10 +171,16 @@ impl Source {
 
     /// What the operator does now.
     fn duty(&self) -> Duty {
-        let order = self.task.faults.iter().find_map(|fault| match fault.action {
-            Action::Order { order } if self.acts(|a| *a == fault.action) => Some(order),
+        // Of several orders the one that began last: an earlier one was given by then.
+        let since = now().mono_ns.saturating_sub(self.start.load(Ordering::Acquire));
+        let begun = self.task.faults.iter().filter_map(|fault| match fault.action {
+            Action::Order { order } => {
+                let (from, until) = fault.window_ns();
+                (self.stopping() && (from..until).contains(&since)).then_some((from, order))
+            }
             _ => None,
         });
+        let order = begun.max_by_key(|(from, _)| *from).map(|(_, order)| order);
         match order {
             Some(order) => Duty::Give(order),
             None if self.task.arming && (!self.stopping() || self.rearms()) => Duty::Drive,

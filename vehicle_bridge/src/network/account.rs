@@ -8,7 +8,7 @@ use vehicle_model::Limited;
 
 use super::record::Log;
 use crate::mapping;
-use crate::safety::{Lapse, Reject};
+use crate::safety::{Finding, Lapse, Reaction, Reject};
 
 /// What was not taken, last.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,8 @@ pub(super) struct Account {
     pub(super) missed: u64,
     /// Messages the network refused. \[-\]
     pub(super) unsent: u64,
+    /// The worst doubt.
+    pub(super) doubt: Finding,
     /// Programs on the network that should not be there.
     pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
@@ -84,6 +86,10 @@ impl fmt::Display for Account {
         if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
             say(format_args!("{complaint}"))?;
         }
+        if self.doubt.reaction() >= Reaction::Report {
+            let Finding { what, level } = self.doubt;
+            say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
+        }
         if let Some(neighbours) = &self.neighbours {
             say(format_args!("{neighbours}"))?;
         }
@@ -114,6 +120,7 @@ mod tests {
             missed: 1,
             unsent: 2,
             car: Some(mapping::Counts::default()),
+            doubt: Finding::default(),
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::LifeSign(Reject::Boot)),
             log: None,

@@ -281,13 +281,14 @@ impl Bridge {
         let (lapse, missed, unsent) = (self.safety.lapse(), self.bridged.missed, self.unsent);
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
-        let neighbours = self.neighbours.news();
+        let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
             health.arm_token = arm_token;
             let said = &mut health.detail;
             (said.lapse, said.missed, said.unsent, said.car) = (lapse, missed, unsent, car);
+            said.doubt = finding;
             if let Some(news) = neighbours {
                 said.neighbours = news;
             }

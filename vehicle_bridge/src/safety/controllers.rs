@@ -65,8 +65,8 @@ impl Controllers {
         };
         let mut candidates = live().filter(|c| wanted == 0 || c.boot_id == wanted);
         let Some(chosen) = candidates.next() else {
-            return Err(match live().next() {
-                Some(other) => Denied::OtherController { wanted, heard: other.boot_id },
+            return Err(match live().map(|c| c.boot_id).min() {
+                Some(heard) => Denied::OtherController { wanted, heard },
                 None => Denied::NoController,
             });
         };

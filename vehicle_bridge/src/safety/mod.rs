@@ -7,6 +7,7 @@
 mod check;
 mod command;
 mod controllers;
+mod doubt;
 mod lapse;
 mod obey;
 mod order;
@@ -21,6 +22,7 @@ mod types;
 
 pub use check::decode;
 pub use command::{Offer, PLAN, Reject};
+pub use doubt::{DoubtLimits, Finding, Reaction, Suspicion};
 pub use lapse::Lapse;
 pub use order::{Denied, Order, OrderKind};
 pub use rules::{Rules, Setup};

@@ -1,5 +1,6 @@
 //! What each order of the operator does.
 
+use super::doubt::{self, Doubt};
 use super::lapse::Lapse;
 use super::order::{Denied, MAX_CAP, Order, OrderKind};
 use super::rules::Rules;
@@ -34,7 +35,7 @@ impl Safety {
             OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
             OrderKind::Reset => {
                 self.standstill(rules, now_ns)?;
-                self.phase = Phase::Idle;
+                (self.phase, self.blind) = (Phase::Idle, false);
             }
             OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
             OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
@@ -50,7 +51,7 @@ impl Safety {
             OrderKind::Arm { moving, controller } => {
                 return self.arm(rules, (moving, controller), order, now_ns);
             }
-            OrderKind::Start => return self.start(order, now_ns),
+            OrderKind::Start => return self.start(rules, order, now_ns),
         }
         Ok(())
     }
@@ -78,6 +79,9 @@ impl Safety {
         if good_ns < rules.ready_ns {
             return Err(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
         }
+        if let Some(suspicion) = doubt::place(rules, &self.estimate) {
+            return Err(Denied::Place(suspicion));
+        }
         let since_ns = now_ns.saturating_sub(rules.pulse_ns);
         let boot_id = self.controllers.choose(controller, since_ns, &rules.setup)?;
         self.phase = Phase::Armed;
@@ -86,7 +90,7 @@ impl Safety {
         Ok(())
     }
 
-    fn start(&mut self, order: &Order, now_ns: i64) -> Result<(), Denied> {
+    fn start(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
         if !matches!(self.phase, Phase::Armed | Phase::Running) {
             return Err(Denied::NotArmed(self.phase.name()));
         }
@@ -102,6 +106,10 @@ impl Safety {
             }
             return Ok(());
         }
+        if let Some(suspicion) = doubt::place(rules, &self.estimate) {
+            return Err(Denied::Place(suspicion));
+        }
+        (self.doubt, self.blind) = (Doubt::default(), false);
         (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
         self.deadman_ns = order.deadman.then_some(now_ns);
         Ok(())

@@ -1,5 +1,7 @@
 //! The operator's orders.
 
+use super::doubt::Suspicion;
+
 /// Highest speed cap taken. \[m/s\]
 pub(super) const MAX_CAP: f64 = 1000.0;
 
@@ -118,6 +120,9 @@ pub enum Denied {
         /// The car's.
         car: i64,
     },
+    /// The car is where it must not be driven from.
+    #[error("{0}")]
+    Place(Suspicion),
     /// Needs standstill.
     #[error("the car moves at {speed:.2} m/s; it must stand")]
     Moves {

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::doubt::DoubtLimits;
+use super::doubt::response::GRIPS;
 use controller::Tracker;
 use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
 
@@ -49,7 +51,11 @@ pub struct Rules {
     pub limiter: Limiter,
     pub(super) track: Arc<Track>,
     pub(super) tracker: Tracker,
-    pub(super) model: Model,
+    /// When states and actuators are doubted; `None`: never.
+    pub doubt: Option<DoubtLimits>,
+    /// The car where it is slow, and with each share of its grip.
+    pub(super) rolling: Model,
+    pub(super) sliding: [Model; GRIPS.len()],
 }
 
 impl Rules {
@@ -81,7 +87,12 @@ impl Rules {
             limiter: Limiter::new(car),
             track: Arc::clone(track),
             tracker: Tracker::new(car),
-            model: Model::new(ModelKind::Kinematic, car.clone()),
+            doubt: Some(DoubtLimits::new(car, track)),
+            rolling: Model::new(ModelKind::Kinematic, car.clone()),
+            sliding: GRIPS.map(|grip| Model {
+                grip: [grip; 2],
+                ..Model::new(ModelKind::Dynamic, car.clone())
+            }),
         }
     }
 }

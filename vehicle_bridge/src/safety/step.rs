@@ -4,6 +4,7 @@ use vehicle_model::{Input, Limited, State};
 
 use super::command::{Offer, Reject};
 use super::controllers::Controllers;
+use super::doubt::{Doubt, Finding, Reaction, Suspicion};
 use super::lapse::Lapse;
 use super::published::Published;
 use super::rate::Rate;
@@ -16,6 +17,7 @@ use super::types::{Answer, Counts, Event, Output, Phase, Source};
 pub(super) struct Seen {
     pub(super) at_ns: i64,
     pub(super) good_since_ns: Option<i64>,
+    pub(super) x: State,
 }
 
 /// Everything the core remembers.
@@ -33,6 +35,9 @@ pub struct Safety {
     pub(super) estimate_ns: i64,
     pub(super) controllers: Controllers,
     pub(super) published: Published,
+    pub(super) doubt: Doubt,
+    /// The stop is driven by reckoning: the states are doubted.
+    pub(super) blind: bool,
     pub(super) speed_cap: Option<f64>,
     pub(super) applied: Option<Limited>,
     pub(super) source: Source,
@@ -221,12 +226,41 @@ impl Safety {
         let unbroken = self.seen.filter(|_| self.is_fresh(rules, now_ns));
         let since = unbroken.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
         let good_since_ns = (quality >= rules.quality).then_some(since);
-        self.seen = Some(Seen { at_ns: now_ns, good_since_ns });
-        (self.estimate, self.estimate_ns) = (*x, now_ns);
+        let before = self.seen.replace(Seen { at_ns: now_ns, good_since_ns, x: *x });
+        if !self.blind {
+            (self.estimate, self.estimate_ns) = (*x, now_ns);
+        }
+        if let Some(before) = before.filter(|_| self.phase == Phase::Running) {
+            self.question(rules, &before, x, now_ns);
+        }
         if self.phase == Phase::Boot {
             self.phase = Phase::Idle;
         }
         Answer::Accepted
+    }
+
+    /// Doubts a state, and stops the car if it must not be believed.
+    fn question(&mut self, rules: &Rules, before: &Seen, x: &State, now_ns: i64) {
+        let Some(limits) = &rules.doubt else { return };
+        let dt = now_ns.saturating_sub(before.at_ns) as f64 * 1e-9;
+        if dt <= 0.0 {
+            return;
+        }
+        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
+        let finding = self.doubt.on_state(rules, limits, (&before.x, x), applied, dt);
+        if finding.reaction() == Reaction::Stop {
+            let doubted = matches!(finding.what, Suspicion::Position | Suspicion::Heading);
+            if let Some(trusted) = self.doubt.trusted().filter(|_| doubted) {
+                (self.estimate, self.estimate_ns, self.blind) = (trusted, now_ns, true);
+            }
+            self.leave(Phase::SafeStop, Lapse::Doubt(finding.what));
+        }
+    }
+
+    /// The worst doubt of the present drive.
+    #[must_use]
+    pub fn finding(&self) -> Finding {
+        self.doubt.finding
     }
 
     /// A command's checks after its form, in order.
@@ -293,7 +327,7 @@ impl Safety {
         self.estimate_ns = now_ns;
         self.tick_ns = Some(now_ns);
         if self.phase == Phase::SafeStop && self.standstill(rules, now_ns).is_ok() {
-            self.phase = Phase::Idle;
+            (self.phase, self.blind) = (Phase::Idle, false);
         }
         let driven = match self.phase {
             Phase::Running => {
@@ -310,6 +344,8 @@ impl Safety {
                 (stop::brake(rules, &self.estimate), source)
             }
         };
+        let slow = driven.is_some() && self.doubt.finding.reaction() >= Reaction::SlowDown;
+        let asked = if slow { Input { a: asked.a.min(0.0), ..asked } } else { asked };
         let cap = self.speed_cap.unwrap_or(f64::INFINITY).min(rules.limiter.speed_cap);
         let limiter = vehicle_model::Limiter { speed_cap: cap, ..rules.limiter };
         let applied = limiter.limit(asked, before, self.estimate.v_x, held);

@@ -124,6 +124,7 @@ impl Generator {
             Phase::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
             Phase::Armed => Some(OrderKind::Start),
             Phase::Fault | Phase::Estop => Some(OrderKind::Reset),
+            Phase::SafeStop if self.once_in(60) => Some(OrderKind::Estop),
             Phase::Running | Phase::SafeStop => None,
         };
         if phase == Phase::Armed {

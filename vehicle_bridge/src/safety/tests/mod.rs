@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
 mod decode;
+mod doubt;
 mod edges;
 mod generator;
 mod model;
@@ -46,6 +47,8 @@ fn rules() -> Rules {
     (car.a_rate_max, car.delta_rate_max) = (Some(20.0), Some(3.0));
     let mut rules = Rules::new(&car, &Arc::new(Track::builtin("l").unwrap()), 50 * MS);
     rules.setup.config_id = 4;
+    // Random states agree with nothing; `doubt` has the tests of these rules.
+    rules.doubt = None;
     // Shorter than in life, so that a drive begins more often.
     (rules.ready_ns, rules.start_ns, rules.pulse_ns) = (100 * MS, 200 * MS, 150 * MS);
     rules

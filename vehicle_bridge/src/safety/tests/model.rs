@@ -175,7 +175,7 @@ impl Model {
         } else if !granted || offer.boot_id != self.holder {
             Some(Reject::Boot)
         } else {
-            damage.filter(|damage| *damage != Reject::Boot)
+            damage.filter(|d| *d != Reject::Boot && *d != Reject::Unanswered)
         };
         let patience = rules.max_age_ns.min(offer.valid_for_ns);
         let recent = |seq| self.published.get(&seq).is_some_and(|at| now - at <= patience);

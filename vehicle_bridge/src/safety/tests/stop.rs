@@ -14,7 +14,7 @@ const POINTS: u32 = 20;
 fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 {
     let kappa = track.kappa(s);
     let mut rules = Rules::new(car, track, 10 * TICK_NS);
-    rules.ready_ns = 0;
+    (rules.ready_ns, rules.doubt) = (0, None);
     let wheelbase = car.l_f + car.l_r;
     let start = State { v_x: speed, omega_z: speed * kappa, s, ..State::default() };
     let mut plant = Plant::new(PlantParams::new(car.clone()), Arc::clone(track), start).unwrap();
