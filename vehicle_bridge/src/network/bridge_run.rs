@@ -14,6 +14,8 @@ use crate::transport;
 const GOOD: i8 = 2;
 /// A car that is being stopped because the bridge ends is not waited for any longer.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// A car that was stopped is held for this long before the bridge ends.
+const SETTLE: Duration = Duration::from_millis(500);
 /// After this many panics the loop is given up. \[-\]
 const PANICS: u32 = 3;
 
@@ -24,14 +26,16 @@ struct Clock {
     phase: Phase,
     /// When this state began.
     since: Instant,
-    /// When the bridge was asked to end.
-    ending: Option<Instant>,
+    /// When the bridge was asked to end, and whether a car drove then.
+    ending: Option<(Instant, bool)>,
+    /// Since when the car stands after that.
+    stood: Option<Instant>,
 }
 
 impl Clock {
     fn new(phase: Phase) -> Self {
         let now = Instant::now();
-        Self { due: now, acted: now, phase, since: now, ending: None }
+        Self { due: now, acted: now, phase, since: now, ending: None, stood: None }
     }
 }
 
@@ -63,11 +67,20 @@ impl Bridge {
         if !shutdown.is_requested() {
             return false;
         }
-        let begun = *clock.ending.get_or_insert_with(Instant::now);
+        let stops = |phase| matches!(phase, Phase::SafeStop | Phase::Estop | Phase::Fault);
+        let phase = self.safety.phase();
+        let drove = phase == Phase::Running || stops(phase);
+        let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
         self.step(&Event::End);
-        let stopping = matches!(self.safety.phase(), Phase::SafeStop | Phase::Estop | Phase::Fault);
         let now_ns = transport::now().mono_ns;
-        !stopping || self.safety.stands(&self.rules, now_ns) || begun.elapsed() > PATIENCE
+        if stops(self.safety.phase()) && !self.safety.stands(&self.rules, now_ns) {
+            clock.stood = None;
+        } else {
+            clock.stood.get_or_insert_with(Instant::now);
+        }
+        // The brake stays pressed for a moment: slow is not yet still.
+        let still = clock.stood.is_some_and(|since| !drove || since.elapsed() > SETTLE);
+        still || begun.elapsed() > PATIENCE
     }
 
     /// One tick, and what comes before it.
