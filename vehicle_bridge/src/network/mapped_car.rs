@@ -102,7 +102,10 @@ impl MappedCar {
         let run = catch_unwind(AssertUnwindSafe(|| self.obey_until(stop)));
         self.command = None;
         let ends = (0..LAST_WORDS).map(|_| self.actuate(Instant::now()));
-        let stopped = ends.fold(Ok(()), |all: Result<()>, end| all.or(end));
+        let mut stopped = Ok(());
+        for end in ends {
+            stopped = stopped.or(end);
+        }
         match run {
             Ok(run) => run.and(stopped)?,
             Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
