@@ -6,6 +6,9 @@ use super::super::rules::Rules;
 use super::super::stop;
 use super::{DoubtLimits, Finding, Suspicion};
 
+/// A race on the edge of the track cannot everywhere be stopped inside it: that is reported, no more.
+/// \[-\]
+const REPORTED: f64 = 0.7;
 /// Step and longest time of a predicted stop. \[s\]
 const STEP: f64 = 0.02;
 const LONGEST: f64 = 12.0;
@@ -38,7 +41,7 @@ pub(super) fn here(rules: &Rules, limits: &DoubtLimits, x: &State) -> Finding {
 pub(super) fn finding(rules: &Rules, limits: &DoubtLimits, x: &State) -> Finding {
     let here = here(rules, limits, x);
     let stopped = beyond_at_stop(rules, x) / limits.stop_edge;
-    here.or(Finding { what: Suspicion::Overspeed, level: stopped.max(0.0) })
+    here.or(Finding { what: Suspicion::Overspeed, level: stopped.clamp(0.0, REPORTED) })
 }
 
 /// How far a safe stop takes the centre of mass beyond the edge, negative inside. \[m\]

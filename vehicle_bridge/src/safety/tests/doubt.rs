@@ -172,20 +172,20 @@ fn a_drive_without_a_fault_is_not_stopped() {
 
 #[test]
 fn lies_about_the_position_are_found() {
-    use Suspicion::{Drive, Heading, OffTrack, Overspeed, Position, Steering};
+    use Suspicion::{Drive, Heading, OffTrack, Position, Steering};
     stopped_by(Fault::Frozen, &[Position, Heading], 0.5);
     stopped_by(Fault::PositionFrozen, &[Position, Heading], 0.5);
-    stopped_by(Fault::Jump(0.3), &[Position, OffTrack, Overspeed], 0.2);
+    stopped_by(Fault::Jump(0.3), &[Position, OffTrack], 0.2);
     stopped_by(Fault::Speed(0.7), &[Position, Heading, Drive, Steering], 1.0);
     stopped_by(Fault::Yaw(0.087), &[Position, Heading], 3.0);
 }
 
 #[test]
 fn faults_of_the_actuators_are_found() {
-    use Suspicion::{Drive, OffTrack, Overspeed, Steering};
-    stopped_by(Fault::SteeringStuck, &[Steering, OffTrack, Overspeed], 3.0);
-    stopped_by(Fault::SteeringBias(0.15), &[Steering, OffTrack, Overspeed], 3.0);
-    stopped_by(Fault::ThrottleStuck, &[Drive, OffTrack, Overspeed], 6.0);
+    use Suspicion::{Drive, OffTrack, Steering};
+    stopped_by(Fault::SteeringStuck, &[Steering, OffTrack], 3.0);
+    stopped_by(Fault::SteeringBias(0.15), &[Steering, OffTrack], 3.0);
+    stopped_by(Fault::ThrottleStuck, &[Drive, OffTrack], 12.0);
 }
 
 #[test]
