@@ -21,6 +21,7 @@ pub mod race;
 pub mod report;
 pub mod safety;
 pub mod settings;
+pub mod shutdown;
 pub mod study;
 pub mod top;
 pub mod transport;
