@@ -86,10 +86,8 @@ impl Config {
         let time = own.time / reference.time * (0.1 / self.horizon.period);
         let acceleration = 0.5 * car.a_max.max(-car.a_min);
 
-        let steps = |count: usize| {
-            ((count as f64 * time).round() as usize).clamp(count, 12 * count).min(MOST)
-        };
-        self.horizon.steps = steps(self.horizon.steps);
+        let steps = (self.horizon.steps as f64 * time).round() as usize;
+        self.horizon.steps = steps.clamp(self.horizon.steps, MOST);
 
         self.nominal.adapt_grip &= car.actuator_lag < LAG_SHARE * self.horizon.period;
         let metric = &mut self.regression.metric;

@@ -2,7 +2,8 @@
 //!
 //! Both FMUs name the signals between them alike, so every connection is from a name to itself.
 
-use controller::Config;
+use controller::{Config, Preset};
+use vehicle_model::{CarParams, Track};
 
 use crate::controller::ControllerFmu;
 use crate::description::Description;
@@ -224,8 +225,12 @@ pub(crate) const SETS: [ParameterSet; 3] = [
 impl ParameterSet {
     /// The car starts at the speed of the controller's initial laps [m/s].
     fn speed(&self) -> f64 {
-        let shipped = Config::of_car(self.car).and_then(|text| Config::from_toml(text).ok());
-        shipped.unwrap_or_default().warm_up.speed
+        let (car, track) = (CarParams::builtin(self.car), Track::builtin(self.track));
+        let config = match (&car, &track) {
+            (Ok(car), Some(track)) => Config::derived(Preset::Race, car, track),
+            _ => Config::default(),
+        };
+        config.warm_up.speed
     }
 }
 

@@ -303,7 +303,8 @@ fn settings_read_as_in_force() {
         assert_eq!(unsafe { c::fmi2GetReal(fmu.0, &reference(name), 1, &mut value) }, 0);
         value
     };
-    let shipped = Config::from_toml(Config::of_car("iac").unwrap()).unwrap();
+    let (car, track) = (CarParams::builtin("iac").unwrap(), Track::builtin("road_course").unwrap());
+    let shipped = Config::derived(controller::Preset::Race, &car, &track);
     let fmu = Fmu::with(&[("param.car", "iac"), ("param.track", "road_course")]);
     assert_eq!(get(&fmu, "param.period"), shipped.horizon.period);
     assert_eq!(get(&fmu, "param.horizon"), shipped.horizon.steps as f64);

@@ -76,7 +76,7 @@ impl Outline {
     /// are those of the point found: the greatest of several functions changes as that one does.
     #[must_use]
     pub fn extent(&self, kappa: f64, e_psi: f64, e_y: f64) -> Extent {
-        let (sin, cos) = e_psi.sin_cos();
+        let (sin, cos) = libm::sincos(e_psi);
         let at = |point| body_point(point, kappa, sin, cos, e_y);
         let first = at((self.front, self.half_width));
         let mut extent = Extent { left: first, right: first };
@@ -101,7 +101,7 @@ impl Outline {
     #[must_use]
     pub fn overhang(&self, track: &Track, x: &State) -> f64 {
         let centre = track.to_global(x);
-        let (sin, cos) = centre.psi.sin_cos();
+        let (sin, cos) = libm::sincos(centre.psi);
         let beyond = |(forward, left): (f64, f64)| {
             let (x_p, y_p) =
                 (centre.x + forward * cos - left * sin, centre.y + forward * sin + left * cos);
@@ -121,7 +121,7 @@ impl Outline {
         }
         // The centre of curvature lies on the normal, at 1/kappa.
         let distance = 1.0 / kappa - e_y;
-        let (sin, cos) = e_psi.sin_cos();
+        let (sin, cos) = libm::sincos(e_psi);
         let (forward, left) = (distance * sin, distance * cos);
         let beside = forward > -self.rear && forward < self.front;
         let ahead = left.abs() < self.half_width;
@@ -138,8 +138,8 @@ impl Outline {
 fn body_point((forward, left): (f64, f64), kappa: f64, sin: f64, cos: f64, e_y: f64) -> BodyPoint {
     let (t, n) = (forward * cos - left * sin, e_y + forward * sin + left * cos);
     let (along, across) = (kappa * t, 1.0 - kappa * n);
-    let h = along.hypot(across);
-    let angle = along.atan2(across);
+    let h = libm::hypot(along, across);
+    let angle = libm::atan2(along, across);
     let ds = if angle.abs() < SMALL_ANGLE { t / across } else { angle / kappa };
     // The unit normal of the centre line at the point's own foot, in the frame of (t, n).
     let (normal_t, normal_n) = (-along / h, across / h);

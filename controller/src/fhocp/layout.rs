@@ -108,10 +108,10 @@ fn objective(problem: &Fhocp, shape: &Shape, out: &mut impl Entries) {
         let front = &problem.front[t];
         let known = if t == 0 { front.angle(&problem.x_0, 0.0) } else { front.offset };
         let slip = [0.0, front.weight * front.steering * front.steering];
-        for i in 0..NU {
+        for (i, slip) in slip.into_iter().enumerate() {
             let u = shape.u(t) + i;
             let rates = neighbours * problem.rate_cost[i];
-            out.p(u, u, 2.0 * (problem.input_cost[i] + rates + slip[i]));
+            out.p(u, u, 2.0 * (problem.input_cost[i] + rates + slip));
             let mut pull = if i == 1 { front.pull(known) * front.steering } else { 0.0 };
             if t == 0 {
                 pull -= 2.0 * problem.rate_cost[i] * problem.u_prev[i];

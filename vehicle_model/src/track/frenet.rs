@@ -164,7 +164,7 @@ impl Track {
             let u = self.path.foot_in(i, g.x, g.y);
             let foot = self.foot(i, u, g.x, g.y);
             let (x_c, y_c) = self.path.point_in(i, u);
-            let distance = (g.x - x_c).hypot(g.y - y_c);
+            let distance = libm::hypot(g.x - x_c, g.y - y_c);
             // The end of a piece is nearest only where the next piece begins with it.
             let is_foot = distance - foot.e_y.abs() <= 1e-3 * self.max_width;
             if !is_foot || self.beyond_edge(&foot) > 0.0 {

@@ -9,7 +9,7 @@ use super::hull::Hull;
 use super::recursion::{Gain, Model, backward, costates, factor, forward};
 use super::report;
 use super::rows::{FRONT, Point, REAR, Rows, quantities};
-use super::stage::{Curvature, Gradient, penalty};
+use super::stage::{At, Curvature, Gradient, penalty};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
 
@@ -206,8 +206,8 @@ impl Work {
             let (x, u) = (&self.point.x, &self.point.u[t]);
             let y = quantities(problem, t, &x[t], u, &x[t + 1]);
             let pull = self.rows.stage(t, &self.barrier.pull);
-            let s = &self.point.s[t];
-            *gradient = Gradient::of(problem, t, &self.rows, pull, u, &u_before, s, &y);
+            let at = At { u: *u, u_before, s: self.point.s[t], y };
+            *gradient = Gradient::of(problem, t, &self.rows, pull, &at);
             curvature.eliminate(gradient);
             u_before = *u;
         }
@@ -263,7 +263,8 @@ impl Work {
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
             let x = &self.point.x;
             let y = quantities(problem, t, &x[t], u, &x[t + 1]);
-            let gradient = Gradient::of(problem, t, &self.rows, z, u, &u_before, s, &y);
+            let at = At { u: *u, u_before, s: *s, y };
+            let gradient = Gradient::of(problem, t, &self.rows, z, &at);
             let du = u - u_before;
             cost += problem.input_cost.dot(&u.component_mul(u))
                 + problem.rate_cost.dot(&du.component_mul(&du));

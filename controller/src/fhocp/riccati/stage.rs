@@ -94,19 +94,23 @@ impl Curvature {
     }
 }
 
+/// Where a stage's gradient is taken.
+pub(super) struct At {
+    /// Input of the stage.
+    pub(super) u: Vector2<f64>,
+    /// Input of the stage before.
+    pub(super) u_before: Vector2<f64>,
+    /// Slacks.
+    pub(super) s: [f64; SOFT],
+    /// Soft quantities without their constant parts.
+    pub(super) y: [f64; SOFT],
+}
+
 impl Gradient {
     /// Gradient of the Lagrangian of a stage, given the multipliers (or pulls) of its rows.
     #[inline(always)]
-    pub(super) fn of(
-        problem: &Fhocp,
-        t: usize,
-        rows: &Rows,
-        multipliers: &[f64],
-        u: &Vector2<f64>,
-        u_before: &Vector2<f64>,
-        s: &[f64; SOFT],
-        y: &[f64; SOFT],
-    ) -> Self {
+    pub(super) fn of(problem: &Fhocp, t: usize, rows: &Rows, multipliers: &[f64], at: &At) -> Self {
+        let At { u, u_before, s, y } = at;
         let mut out = Self::default();
         for i in 0..NU {
             out.input[i] =
