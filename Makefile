@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test fmu fmu-test lint bench clean
+.PHONY: race test fmu fmu-test fmu-old lint bench clean
 
 race:
 	tools/setup.sh race
@@ -20,20 +20,27 @@ test:
 	tests/interop/spy.sh
 	$(MAKE) fmu-test
 
-# Both FMUs for Linux and Windows, FMI 2.0 and 3.0, and the wired systems, in out/fmu.
+# Both FMUs for Linux (x64 and ARM64, glibc 2.17 or newer) and Windows, FMI 2.0 and 3.0, and the
+# wired systems, in out/fmu.
 fmu:
 	tools/setup.sh race fmu
-	tools/fmu.sh --windows
+	tools/fmu.sh
 	cargo run --quiet --release -p vehicle_bridge --bin lmpc -- fmu pack $(FMU)/lib --out out/fmu
 
-# Both FMUs in every importer that is not ours, under Valgrind and under wine.
+# Both FMUs in every importer that is not ours, under Valgrind, wine and qemu.
 fmu-test: fmu
 	tools/setup.sh fmu fmu-test
 	tools/fmu_check.sh
 	tools/fmu_host_check.sh
+	tools/fmu_bits.sh
 	tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
 	tests/interop/bridged_cars.sh fmu:$(FMU)/check/foreign/DegreesVehicle.fmu \
 		examples/fmu/degrees_map.toml
+
+# The FMUs in a Debian 11 (glibc 2.31) of their own; needs root for the chroot.
+fmu-old: fmu
+	tools/setup.sh fmu-old
+	tools/fmu_old.sh
 
 lint:
 	cargo fmt --check

@@ -25,6 +25,9 @@ fn main() -> std::io::Result<()> {
         println!("cargo::rerun-if-changed={folder}");
         files(Path::new(folder), &mut found)?;
     }
+    // With the versions of all that is linked in.
+    println!("cargo::rerun-if-changed=../Cargo.lock");
+    found.push(PathBuf::from("../Cargo.lock"));
     // The order of a folder's entries is the file system's.
     found.sort();
     // FNV-1a, as in src/checksum.rs, over contents without line-end conversions.

@@ -95,6 +95,7 @@ impl Qp {
                     velocity: [0, 1, 2].map(|i| self.A.at(up, 6 * t + i)),
                     steering: self.A.at(up, u + 2 * t + 1),
                     offset: 0.5 * (bound(down) - bound(up)),
+                    ..SlipRow::default()
                 };
             }
         }

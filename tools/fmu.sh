@@ -1,40 +1,40 @@
 #!/bin/sh
-# Builds the FMUs' shared libraries into target/fmu: stripped, without paths of this machine, and
-# on Linux with libgcc inside, so that libc and libm are all they need.
-# Targets are arguments; default: this machine's Linux and, if --windows is given, Windows x64.
+# Builds the FMUs' shared libraries into target/fmu/lib: stripped, without paths of this machine,
+# and on Linux for glibc 2.17 (2012), with libc and its parts as all they need.
+# Targets are arguments: x64, arm64, windows; default: all three.
 set -eu
 cd "$(dirname "$0")/.."
-
-targets="x86_64-unknown-linux-gnu"
-[ "${1:-}" = "--windows" ] && targets="$targets x86_64-pc-windows-gnu"
-[ "${1:-}" = "--arm64" ] && targets="aarch64-unknown-linux-gnu"
+. tools/zig.sh
 
 cargo_home=${CARGO_HOME:-$HOME/.cargo}
 sysroot=$(rustc --print sysroot)
 out=${CARGO_TARGET_DIR:-target}/fmu
 remap="--remap-path-prefix=$PWD=lmpc --remap-path-prefix=$cargo_home=cargo"
 remap="$remap --remap-path-prefix=$sysroot=rust"
-
-# The standard library asks for libgcc_s; this linker script answers with the static parts.
-mkdir -p "$out/libgcc"
-echo "GROUP ( -lgcc_eh -lgcc )" > "$out/libgcc/libgcc_s.so"
+mkdir -p "$out"
 out=$(cd "$out" && pwd)
 
-for target in $targets; do
-    flags="$remap"
-    case $target in *linux*) flags="$flags -L native=$out/libgcc" ;; esac
-    [ "$target" = aarch64-unknown-linux-gnu ] &&
-        flags="$flags -C linker=${CROSS_CC:-aarch64-linux-gnu-gcc}"
-    # Without sections of their own, dead functions leave a DLL only at link-time optimisation.
-    lto=false
-    case $target in *windows*) lto=thin ;; esac
-    CARGO_PROFILE_FMU_LTO=$lto RUSTFLAGS="$flags" cargo build --quiet --profile fmu --target "$target" \
+build() { # target, cargo's subcommand and its target, link-time optimisation
+    CARGO_PROFILE_FMU_LTO=$4 RUSTFLAGS="$remap" cargo "$2" --quiet --profile fmu --target "$3" \
         --target-dir "$out/build" -p lmpc_vehicle -p lmpc_controller
-    mkdir -p "$out/lib/$target"
+    mkdir -p "$out/lib/$1"
     for name in lmpc_vehicle lmpc_controller; do
         for file in "lib$name.so" "$name.dll"; do
-            built="$out/build/$target/fmu/$file"
-            [ ! -f "$built" ] || cp "$built" "$out/lib/$target/"
+            built="$out/build/$1/fmu/$file"
+            [ ! -f "$built" ] || cp "$built" "$out/lib/$1/"
         done
     done
+}
+
+for platform in ${*:-x64 arm64 windows}; do
+    case $platform in
+        x64) build x86_64-unknown-linux-gnu zigbuild "x86_64-unknown-linux-gnu.$GLIBC" false ;;
+        arm64) build aarch64-unknown-linux-gnu zigbuild "aarch64-unknown-linux-gnu.$GLIBC" false ;;
+        # Without sections of their own, dead functions leave a DLL only at link-time optimisation.
+        windows) build x86_64-pc-windows-gnu build x86_64-pc-windows-gnu thin ;;
+        *) echo "unknown platform '$platform'; expected x64, arm64 or windows" >&2 && exit 2 ;;
+    esac
 done
+
+set -- "$out"/lib/*-linux-gnu/*.so
+[ ! -e "$1" ] || tools/glibc_floor.sh "$GLIBC" "$@"

@@ -27,9 +27,12 @@ done
 xmllint --noout --schema "$package/schema/fmi3/fmi3TerminalsAndIcons.xsd" \
     "$work/x/terminalsAndIcons/terminalsAndIcons.xml"
 for ssp in "$fmus/lmpc-race.ssp" "$fmus/fmi3/lmpc-race.ssp"; do
+    rm -rf "$work/x" && mkdir "$work/x"
     "$python" -m zipfile -e "$ssp" "$work/x"
     xmllint --noout --schema "$package/ssp/schema/SystemStructureDescription.xsd" \
         "$work/x/SystemStructure.ssd"
+    xmllint --noout --schema "$package/ssp/schema/SystemStructureParameterValues.xsd" \
+        "$work"/x/resources/*.ssv
 done
 
 echo "== against lmpc race"

@@ -1,42 +1,35 @@
 #!/bin/sh
-# Holds the libraries of tools/fmu.sh --windows to a plain C importer: natively under Valgrind, a
-# hundred times loaded, run and freed; on Windows under wine, with the same numbers. Also their size,
-# what they need, and that no path of this machine is inside. Arguments: FMUs (default out/fmu).
-# With --arm64 first, the same for the libraries of tools/fmu.sh --arm64, under qemu; needs
-# gcc-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user.
+# Holds the libraries of tools/fmu.sh to plain C importers: natively under Valgrind, a hundred times
+# run and freed; a thousand times loaded and unloaded, from one file and from as many copies; how
+# deep their calls go; the same numbers on Windows under wine and on ARM64 under qemu. Also their
+# size, what they need, and that no path of this machine is inside. Arguments: FMUs (default out/fmu).
 set -eu
 cd "$(dirname "$0")/.."
-arm64=
-if [ "${1:-}" = --arm64 ]; then
-    arm64=1
-    shift
-fi
 fmus=${1:-out/fmu}
 target=${CARGO_TARGET_DIR:-target}
 lib=$target/fmu/lib
 work=$target/fmu/host
 mkdir -p "$work"
 
+fail() { echo "$*" >&2; exit 1; }
+for tool in gcc:gcc x86_64-w64-mingw32-gcc:gcc-mingw-w64-x86-64 qemu-aarch64:qemu-user \
+    aarch64-linux-gnu-gcc:gcc-aarch64-linux-gnu valgrind:valgrind unzip:unzip strings:binutils; do
+    command -v "${tool%%:*}" >/dev/null ||
+        fail "${tool%%:*} is missing: apt-get install ${tool#*:}, or tools/setup.sh fmu fmu-test"
+done
+
 gcc -O1 -Wall -Wno-unused-variable -o "$work/host" fmu/tests/host/host.c -ldl
-if [ -n "$arm64" ]; then
-    aarch64-linux-gnu-gcc -O1 -Wno-unused-variable -o "$work/host-arm64" fmu/tests/host/host.c -ldl
-else
-    x86_64-w64-mingw32-gcc -O1 -o "$work/host.exe" fmu/tests/host/host.c
-    x86_64-w64-mingw32-gcc -shared -o "$work/bcryptprimitives.dll" fmu/tests/host/process_prng.c -ladvapi32
-fi
+gcc -O1 -Wall -o "$work/load" fmu/tests/host/load.c -ldl -pthread
+aarch64-linux-gnu-gcc -O1 -Wno-unused-variable -o "$work/host-arm64" fmu/tests/host/host.c -ldl
+x86_64-w64-mingw32-gcc -O1 -o "$work/host.exe" fmu/tests/host/host.c
+x86_64-w64-mingw32-gcc -shared -o "$work/bcryptprimitives.dll" fmu/tests/host/process_prng.c -ladvapi32
 wine=$(command -v wine64 || command -v wine || echo /usr/lib/wine/wine64)
 export WINEDEBUG=-all WINEPREFIX="$PWD/$work/wine"
-
-fail() { echo "$*" >&2; exit 1; }
+case $work in /*) WINEPREFIX=$work/wine ;; esac
 
 small() { # library: below 4 MiB, no path of this machine
     [ "$(stat -c %s "$1")" -lt 4194304 ] || fail "$1: larger than 4 MiB"
     if strings -a "$1" | grep -F -e "$PWD" -e "$HOME/"; then fail "$1: a path of this machine"; fi
-}
-
-modest() { # objdump, library: needs libc and libm alone
-    needed=$("$1" -p "$2" | awk '/NEEDED/ { print $2 }' | grep -v -e '^libc\.so' -e '^libm\.so' -e '^ld-linux' || true)
-    [ -z "$needed" ] || fail "$2 needs $needed"
 }
 
 for name in vehicle controller; do
@@ -46,28 +39,33 @@ for name in vehicle controller; do
     reference=$(echo "$xml" | grep -o "name=\"$output\" valueReference=\"[0-9]*\"" |
         grep -o '[0-9]*"$' | tr -d '"')
     so=$lib/x86_64-unknown-linux-gnu/liblmpc_$name.so
+    arm=$lib/aarch64-unknown-linux-gnu/liblmpc_$name.so
     dll=$lib/x86_64-pc-windows-gnu/lmpc_$name.dll
+    for file in "$so" "$arm" "$dll"; do small "$file"; done
+    unzip -l "$fmus/fmi3/lmpc-$name.fmu" | grep -q "binaries/aarch64-linux/lmpc_$name.so" ||
+        fail "$fmus/fmi3/lmpc-$name.fmu: no library for ARM"
 
     native=$("$work/host" "$so" "$token" 1 100 "$reference")
-    if [ -n "$arm64" ]; then
-        arm=$lib/aarch64-unknown-linux-gnu/liblmpc_$name.so
-        small "$arm"
-        modest aarch64-linux-gnu-objdump "$arm"
-        found=$(qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/host-arm64" "$arm" "$token" 2 100 "$reference")
-        [ "$native" = "$found" ] || fail "$name: x64 $native, ARM $found"
-        unzip -l "$fmus/fmi3/lmpc-$name.fmu" | grep -q "binaries/aarch64-linux/lmpc_$name.so" ||
-            fail "$fmus/fmi3/lmpc-$name.fmu: no library for ARM"
-        echo "$name: $(stat -c %s "$arm") bytes; FMI 2 and 3 after 100 steps on ARM: $found, as on x64"
-        continue
-    fi
-    small "$so"
-    small "$dll"
-    modest objdump "$so"
     cp "$dll" "$work/"
     windows=$(cd "$work" && "$wine" host.exe "lmpc_$name.dll" "$token" 1 100 "$reference" | tr -d '\r')
     [ "$native" = "$windows" ] || fail "$name: Linux $native, Windows $windows"
+    found=$(qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/host-arm64" "$arm" "$token" 2 100 "$reference")
+    [ "$native" = "$found" ] || fail "$name: x64 $native, ARM $found"
     valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
         "$work/host" "$so" "$token" 100 20 "$reference" > /dev/null
-    echo "$name: $(stat -c %s "$so") and $(stat -c %s "$dll") bytes; FMI 2 and 3 after 100 steps: $native," \
-        "the same under wine; no leak in 100 cycles"
+    echo "$name: $(stat -c %s "$so"), $(stat -c %s "$arm") and $(stat -c %s "$dll") bytes; FMI 2 and" \
+        "3 after 100 steps: $native, the same on ARM and under wine; no leak in 100 cycles"
+
+    one=$("$work/load" "$so" "$token" same 1000)
+    many=$("$work/load" "$so" "$token" copies 1000)
+    for grown in "$one" "$many"; do
+        [ "$grown" -lt 100 ] || fail "$name: $grown kB more with each of 1000 loads"
+    done
+    stack=$("$work/load" "$so" "$token" stack 100)
+    for number in $stack; do
+        case $number in
+            [0-9]*) [ "$number" -lt 65536 ] || fail "$name: too deep a stack: $stack" ;;
+        esac
+    done
+    echo "$name: 1000 times loaded, $one kB each from one file, $many kB from copies; stack: $stack bytes"
 done

@@ -1,12 +1,14 @@
 #!/bin/sh
-# Makes the Python environments of the importers the FMUs are tested in, below target/tools.
-# Without arguments all of them, otherwise those named: fmpy ecos cosim pathsim.
+# Makes Python environments below target/tools: of the importers the FMUs are tested in, and of
+# zig, which links for an old glibc. Without arguments those of the importers, otherwise those
+# named: zig fmpy ecos cosim pathsim.
 set -eu
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-target}/tools
 
 for name in ${*:-fmpy ecos cosim pathsim}; do
     case $name in
+        zig) packages="ziglang==0.17.1 cargo-zigbuild==0.24.1" ;;
         fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib==3.11.2" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;

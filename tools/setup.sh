@@ -1,10 +1,10 @@
 #!/bin/sh
 # Installs what the named jobs need and the system lacks, saying what and why.
-# usage: tools/setup.sh race|test|fmu|fmu-test ...
+# usage: tools/setup.sh race|test|fmu|fmu-test|fmu-old ...
 set -eu
 
 missing=""
-windows=""
+targets=""
 need() { # package, why, shell test that succeeds if it is there
     if sh -c "$3" >/dev/null 2>&1; then return; fi
     echo "setup: $1 is missing: $2" >&2
@@ -36,7 +36,9 @@ for job in "$@"; do
         ;;
     fmu)
         need gcc-mingw-w64-x86-64 "links the Windows libraries of the FMUs" "command -v x86_64-w64-mingw32-gcc"
-        windows=1
+        need python3-venv "zig, which links for an old glibc, goes in a venv" "python3 -c 'import ensurepip'"
+        need binutils "reads which glibc a library needs" "command -v readelf"
+        targets="x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu"
         ;;
     fmu-test)
         need python3-venv "the co-simulation tools go in a venv each" "python3 -c 'import ensurepip'"
@@ -45,23 +47,30 @@ for job in "$@"; do
         need binutils "lists what a library needs" "command -v objdump && command -v strings"
         need unzip "looks into FMUs" "command -v unzip"
         need valgrind "leaks and invalid accesses of the libraries" "command -v valgrind"
+        need gcc-aarch64-linux-gnu "builds the importer that runs the ARM libraries" "command -v aarch64-linux-gnu-gcc"
+        need libc6-dev-arm64-cross "the C library of that importer" "test -e /usr/aarch64-linux-gnu/lib/libc.so.6"
+        need qemu-user "runs the ARM libraries" "command -v qemu-aarch64"
         need wine64 "runs the Windows libraries" "command -v wine64 || command -v wine || test -x /usr/lib/wine/wine64"
         ;;
+    fmu-old)
+        need debootstrap "makes the Debian 11 the libraries are tried in" "command -v debootstrap || test -x /usr/sbin/debootstrap"
+        ;;
     *)
-        echo "setup: unknown job '$job' (race, test, fmu, fmu-test)" >&2
+        echo "setup: unknown job '$job' (race, test, fmu, fmu-test, fmu-old)" >&2
         exit 2
         ;;
     esac
 done
 
-# The compiler's Windows parts come from rustup, or with the system's toolchain.
-if [ -n "$windows" ] && [ ! -d "$(rustc --print sysroot)/lib/rustlib/x86_64-pc-windows-gnu/lib" ]; then
-    echo "setup: the Rust target x86_64-pc-windows-gnu is missing: it builds the Windows libraries" >&2
-    if ! { command -v rustup >/dev/null 2>&1 && rustup target add x86_64-pc-windows-gnu >&2; }; then
-        echo "setup: rustup could not add it; install it, or build for Linux alone: tools/fmu.sh" >&2
+# The standard library of other machines comes from rustup, or with the system's toolchain.
+for target in $targets; do
+    [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target/lib" ] || continue
+    echo "setup: the Rust target $target is missing: the FMUs are built for it" >&2
+    if ! { command -v rustup >/dev/null 2>&1 && rustup target add "$target" >&2; }; then
+        echo "setup: rustup could not add it; with rustup installed: rustup target add $target" >&2
         exit 1
     fi
-fi
+done
 
 [ -z "$missing" ] && exit 0
 if ! command -v apt-get >/dev/null 2>&1; then

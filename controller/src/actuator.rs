@@ -35,7 +35,7 @@ pub(crate) struct Actuators {
 impl Actuators {
     pub(crate) fn new(car: &CarParams, dt: f64) -> Self {
         let lag = car.actuator_lag;
-        let share = if lag > 0.0 { -(-dt / lag).exp_m1() } else { 1.0 };
+        let share = if lag > 0.0 { -libm::expm1(-dt / lag) } else { 1.0 };
         Self {
             share,
             beta: (1.0 - lag / dt * share) / share,

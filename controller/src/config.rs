@@ -5,7 +5,7 @@
 //! is named.
 
 use serde::{Deserialize, Serialize};
-use vehicle_model::NX;
+use vehicle_model::{CarParams, NX, Track};
 
 use crate::error::ConfigError;
 use crate::presets::Preset;
@@ -26,6 +26,8 @@ pub struct Config {
     pub nominal: NominalConfig,
     /// Weights of the optimal control problem.
     pub cost: CostConfig,
+    /// Speed envelope along the track.
+    pub envelope: EnvelopeConfig,
     /// Constraints beside the input box, which belongs to the car.
     pub limits: LimitsConfig,
     /// The initial laps.
@@ -137,8 +139,10 @@ pub struct NominalConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostConfig {
-    /// Weight c_u of |u|^2 in steps.
+    /// Weight c_u of the squared steering angle, in steps [1/rad^2].
     pub input: f64,
+    /// Weight c_u of the squared acceleration, in steps [s^4/m^2].
+    pub input_acceleration: f64,
     /// Weight c_du ("CRC") of the squared rates of the input per second.
     pub control_rate: f64,
     /// Factor of the acceleration rate within `control_rate`, w_a.
@@ -150,6 +154,9 @@ pub struct CostConfig {
     /// Gentle start: factor of the acceleration rate in the first learned lap, halved each lap
     /// until `acceleration_rate` is reached. 0 switches it off.
     pub gentle_start: f64,
+    /// Factor of the cost of tyre dissipation's curvature, by which a plan stays near the slip
+    /// angles it was linearised at; 1 is that of the equations, 0 switches it off.
+    pub dissipation: f64,
     /// Quadratic weights of the terminal slack in state order.
     pub terminal_slack: [f64; NX],
     /// Linear weight of the lane slack of each stage [1/m].
@@ -162,13 +169,32 @@ pub struct CostConfig {
     pub speed: f64,
 }
 
+/// Speed envelope: how fast a plan may be at each place of the track.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EnvelopeConfig {
+    /// Whether there is one.
+    pub active: bool,
+    /// Share of the known grip up to which speed may grow in one lap. (0, 2]
+    pub grip_share: f64,
+    /// Growth from lap to lap that is always allowed, as a share of the driven speed. [0, 1]
+    pub growth_least: f64,
+    /// Greatest growth from lap to lap, as a share of the driven speed. [0, 10]
+    pub growth_most: f64,
+    /// Share of the brakes that slowing down for what comes may use. (0, 1]
+    pub brake_share: f64,
+}
+
 /// Constraints beside the input box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
-    /// Distance the centre of gravity keeps from either track edge [m].
+    /// Distance the centre of gravity of a car parallel to the track keeps from either edge [m].
     #[serde(rename = "lane_margin_m")]
     pub lane_margin: f64,
+    /// Whether the outline of the body keeps what `lane_margin` leaves beside half its width: a car
+    /// that stands across the track keeps farther away.
+    pub body: bool,
     /// Guard on the front slip angle |alpha_f|; 0 switches it off [rad].
     #[serde(rename = "front_slip_rad")]
     pub front_slip: f64,
@@ -253,8 +279,21 @@ impl Config {
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         // Read directly first: only this error knows lines and columns.
         let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
-        let base =
-            toml::Table::try_from(Self::preset(direct.preset)).map_err(ConfigError::merge)?;
+        Self::over(&Self::preset(direct.preset), text)
+    }
+
+    /// Reads a configuration for a car and a track: what follows from them, overridden by the keys
+    /// of the text.
+    ///
+    /// # Errors
+    /// As [`Config::from_toml`].
+    pub fn from_toml_for(text: &str, car: &CarParams, track: &Track) -> Result<Self, ConfigError> {
+        let direct: Self = toml::from_str(text).map_err(ConfigError::syntax)?;
+        Self::over(&Self::derived(direct.preset, car, track), text)
+    }
+
+    fn over(base: &Self, text: &str) -> Result<Self, ConfigError> {
+        let base = toml::Table::try_from(base).map_err(ConfigError::merge)?;
         let user: toml::Table = toml::from_str(text).map_err(ConfigError::syntax)?;
         let config: Self = merge(base, user).try_into().map_err(ConfigError::syntax)?;
         config.checked()
@@ -295,6 +334,8 @@ impl Config {
         }
         let c = &self.cost;
         check.range("cost.input", c.input, 0.0, 1e6);
+        check.range("cost.input_acceleration", c.input_acceleration, 0.0, 1e6);
+        check.range("cost.dissipation", c.dissipation, 0.0, 1e3);
         check.range("cost.control_rate", c.control_rate, 0.0, 1e6);
         check.range("cost.acceleration_rate", c.acceleration_rate, 0.0, 1e6);
         check.range("cost.steering_rate", c.steering_rate, 0.0, 1e6);

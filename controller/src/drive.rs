@@ -1,6 +1,6 @@
 //! What a step decides: initial lap, learned control, or what is left when that fails.
 
-use rand_distr::{Distribution, StandardNormal};
+use vehicle_model::normal::standard_normal;
 use vehicle_model::{Input, Limiter, State};
 
 use crate::controller::Controller;
@@ -45,7 +45,7 @@ impl Controller {
         }
         status.action = Action::WarmUp;
         let config = &self.setup.config.warm_up;
-        let mut noise = || -> f64 { StandardNormal.sample(&mut self.memory.rng) };
+        let mut noise = || -> f64 { standard_normal(&mut self.memory.rng) };
         let (noise_a, noise_delta) = (config.noise_a * noise(), config.noise_delta * noise());
         let Input { a, delta } = self.setup.tracker.track(x, &self.setup.track, config.speed);
         Input { a: a + noise_a, delta: delta + noise_delta }

@@ -6,6 +6,7 @@ use crate::config::{NominalModel, RegressionMode, Selection};
 use crate::controller::Controller;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
+use crate::learning::envelope::Envelope;
 use crate::learning::grip;
 use crate::learning::regression::{RegressionData, Targets};
 use crate::memory::Memory;
@@ -47,6 +48,9 @@ impl Controller {
             derived.regression = RegressionData::new(&config.regression);
             derived.grip = self.memory.grip;
         }
+        let chosen = selected.iter().map(|&i| &*laps[i]);
+        let (car, track) = (&self.setup.car, &self.setup.track);
+        derived.envelope = Envelope::new(&config.envelope, car, self.memory.grip, track, chosen);
         derived.selected = selected;
         derived.regression.forget_before(first);
         for lap in derived.regression.next_lap(first)..laps.len() {

@@ -84,7 +84,7 @@ pub(crate) fn error(
 /// e_psi' = omega_z - kappa s'
 /// e_y'   = v_x sin e_psi + v_y cos e_psi
 fn euler_pose_rows(x: &State, kappa: f64, dt: f64) -> Affine {
-    let (sin, cos) = x.e_psi.sin_cos();
+    let (sin, cos) = libm::sincos(x.e_psi);
     let space = 1.0 / (1.0 - kappa * x.e_y);
     let along = x.v_x * cos - x.v_y * sin;
     let across = x.v_x * sin + x.v_y * cos;

@@ -9,11 +9,14 @@
 //! | FHOCP | [`fhocp`] |
 //! | the loop | [`Controller`] |
 #![forbid(unsafe_code)]
+// The same bits on every machine: no function of the platform's mathematical library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod actuator;
 mod affine;
 pub mod config;
 mod controller;
+mod derive;
 mod drive;
 mod error;
 pub mod fhocp;

@@ -10,6 +10,7 @@ use vehicle_model::{Input, State};
 
 use crate::config::Config;
 use crate::learning::dataset::Dataset;
+use crate::learning::envelope::Envelope;
 use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
 
@@ -60,6 +61,7 @@ pub(crate) struct Derived {
     /// Laps of the safe set.
     pub(crate) selected: Vec<usize>,
     pub(crate) regression: RegressionData,
+    pub(crate) envelope: Envelope,
     /// Grip with which their residuals were computed.
     pub(crate) grip: [f64; 2],
 }

@@ -130,18 +130,18 @@ impl Observer<'_> {
         let dt = time - last.time;
         let (before, now) = (&last.state, state);
         let turned = (now.omega_z - before.omega_z).abs() * self.jump_floor;
-        let pushed = (now.v_x - before.v_x).hypot(now.v_y - before.v_y);
+        let pushed = libm::hypot(now.v_x - before.v_x, now.v_y - before.v_y);
         if pushed.max(turned) > HARDEST * dt.max(self.config.horizon.period) {
             return true;
         }
         let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
-        let (sin, cos) = (from.psi + 0.5 * dt * from.omega_z).sin_cos();
+        let (sin, cos) = libm::sincos(from.psi + 0.5 * dt * from.omega_z);
         let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
         let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
         let driven = dt * from.v_x.abs().max(to.v_x.abs());
         let periods = (dt / self.config.horizon.period).max(1.0);
         let allowed = self.jump_floor * periods + JUMP_SHARE * driven;
-        let missed = (to.x - x).hypot(to.y - y);
+        let missed = libm::hypot(to.x - x, to.y - y);
         missed > allowed || missed.is_nan()
     }
 

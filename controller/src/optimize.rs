@@ -1,7 +1,7 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
 use nalgebra::{Vector2, Vector3, Vector6};
-use vehicle_model::{CarParams, Input, SlipAngles, State};
+use vehicle_model::{CarParams, Input, Outline, SlipAngles, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
@@ -12,6 +12,12 @@ use crate::learning::safe_set::{Query, SafeSet};
 use crate::memory::Memory;
 use crate::status::{Phase, Probe};
 
+/// Speed below which delay per speed is no longer told by the quotient [m/s].
+const SLOW: f64 = 0.5;
+
+/// Heading error beyond which a plan is no help to keep the body inside [rad].
+const ACROSS: f64 = 0.5;
+
 /// Problem, solver and memory that is reused from step to step.
 pub(crate) struct Workspace {
     problem: Fhocp,
@@ -20,6 +26,10 @@ pub(crate) struct Workspace {
     origin: f64,
     /// States and acting inputs the model is linearised at.
     points: Vec<(State, Input)>,
+    /// The body, if it counts.
+    outline: Option<Outline>,
+    /// Speed cap; infinite for none [m/s].
+    speed_cap: f64,
     pub(crate) solver: Solver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
@@ -32,7 +42,7 @@ impl Workspace {
         let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
-        problem.input_cost = Vector2::repeat(cost.input);
+        problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
         problem.u_min = Vector2::new(car.a_min, -car.delta_max);
         problem.u_max = Vector2::new(car.a_max, car.delta_max);
         problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));
@@ -41,13 +51,14 @@ impl Workspace {
         problem.front_max = bound(config.limits.front_slip);
         problem.rear_max = bound(config.limits.rear_slip);
         problem.slip_linear = cost.slip;
-        problem.speed_max = bound(config.limits.speed_cap);
         problem.speed_linear = cost.speed;
         problem.terminal_slack = Vector6::from(cost.terminal_slack);
         Self {
             problem,
             solution: Solution::new(n, hull),
             origin: 0.0,
+            outline: config.limits.body.then(|| Outline::new(car)),
+            speed_cap: bound(config.limits.speed_cap),
             points: Vec::with_capacity(n),
             solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
@@ -62,7 +73,8 @@ impl Workspace {
     }
 
     pub(crate) fn set_speed_cap(&mut self, config: &Config) {
-        self.problem.speed_max = bound(config.limits.speed_cap);
+        self.speed_cap = bound(config.limits.speed_cap);
+        self.problem.speed_max.fill(self.speed_cap);
         self.solver.forget();
     }
 
@@ -103,12 +115,24 @@ impl Workspace {
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = front_slip(&setup.car, x, u);
+            self.problem.speed_max[t] =
+                memory.derived.envelope.at(memory.plan.x[t + 1].s).min(self.speed_cap);
+            let stages = setup.config.horizon.steps - t;
+            let dissipation = Dissipation::new(setup, memory.grip, stages);
+            let row = &mut self.problem.front[t];
+            row.weight = dissipation.weight(x.v_x, 0, row.reference);
             // The lane and the rear guard bind the state at the stage's end.
             let next = &memory.plan.x[t + 1];
             self.problem.rear[t] = rear_slip(&setup.car, next);
+            let row = &mut self.problem.rear[t];
+            row.weight = dissipation.weight(next.v_x, 1, row.reference);
             let margin = setup.config.limits.lane_margin;
-            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin;
-            self.problem.e_y_min[t] = margin - setup.track.width_right(next.s);
+            let [left, right] = match &self.outline {
+                Some(outline) => across(outline, next, setup.track.kappa(next.s)),
+                None => [0.0; 2],
+            };
+            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin - left;
+            self.problem.e_y_min[t] = margin + right - setup.track.width_right(next.s);
         }
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
         learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
@@ -206,6 +230,46 @@ impl Workspace {
     }
 }
 
+/// What slipping tyres cost: the curvature that the linearised v_x row lacks.
+///
+/// A tyre takes F_y alpha / m of the acceleration along the path (the power F_y v alpha lost in
+/// the contact patch), about C_alpha alpha^2 / m, which is convex in alpha. Linearised at alpha
+/// other than 0, reversing the slip looks like thrust. A speed lost now delays the car by
+/// (N - t) / v steps per m/s at the horizon's end, so that the missing term is
+/// `(N - t) / v dt C_alpha / m (alpha - ref)^2`, with the secant stiffness C_alpha = F_y / alpha.
+struct Dissipation<'a> {
+    car: &'a CarParams,
+    grip: [f64; 2],
+    /// Factor of `C_alpha / (m v)`.
+    factor: f64,
+}
+
+impl<'a> Dissipation<'a> {
+    fn new(setup: &'a Setup, grip: [f64; 2], stages: usize) -> Self {
+        let factor = setup.config.cost.dissipation * stages as f64 * setup.config.horizon.period;
+        Self { car: &setup.car, grip, factor }
+    }
+
+    /// Weight of the squared slip angle of an axle, front 0, rear 1, in steps [1/rad^2].
+    fn weight(&self, v_x: f64, axle: usize, alpha: f64) -> f64 {
+        let car = self.car;
+        let tyre = [&car.tyre_front, &car.tyre_rear][axle];
+        let lift = 0.5 * car.rho * car.area * [car.cl_front, car.cl_rear][axle];
+        let load = car.static_loads()[axle] + lift * v_x * v_x;
+        let alpha = alpha.abs().max(1e-3);
+        let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
+        let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
+        self.factor * stiffness / (car.mass * v_x.max(SLOW))
+    }
+}
+
+/// How much farther than half its width the body reaches to the left and to the right [m].
+fn across(outline: &Outline, x: &State, kappa: f64) -> [f64; 2] {
+    let extent = outline.extent(kappa, x.e_psi.clamp(-ACROSS, ACROSS), x.e_y);
+    let reach = [extent.left.e_y - x.e_y, x.e_y - extent.right.e_y];
+    reach.map(|reach| reach - outline.half_width)
+}
+
 /// The planned input before stage `t`.
 fn before(memory: &Memory, t: usize) -> Input {
     if t == 0 { memory.u_prev } else { memory.plan.u[t - 1] }
@@ -226,7 +290,7 @@ fn front_slip(car: &CarParams, x: &State, u: &Input) -> SlipRow {
     let slip = SlipAngles::new(x, u, car);
     let velocity = slip.front_gradient;
     let offset = slip.front - u.delta - velocity.dot(&velocities(x));
-    SlipRow { velocity: velocity.into(), steering: 1.0, offset }
+    SlipRow { velocity: velocity.into(), steering: 1.0, offset, weight: 0.0, reference: slip.front }
 }
 
 /// The rear slip angle linearised at x.
@@ -237,6 +301,8 @@ fn rear_slip(car: &CarParams, x: &State) -> SlipRow {
         velocity: velocity.into(),
         steering: 0.0,
         offset: slip.rear - velocity.dot(&velocities(x)),
+        weight: 0.0,
+        reference: slip.rear,
     }
 }
 

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, Features, Horizon, LimitsConfig, NominalConfig, NominalModel,
-    RegressionConfig, RegressionMode, SafeSetConfig, Selection, SolverConfig, SolverMethod,
-    WarmUpConfig,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
+    NominalConfig, NominalModel, RegressionConfig, RegressionMode, SafeSetConfig, Selection,
+    SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -30,13 +30,6 @@ impl Config {
         }
     }
 
-    /// Settings shipped for a built-in car, as TOML over its preset; none for cars that the
-    /// presets fit as they are.
-    #[must_use]
-    pub fn of_car(name: &str) -> Option<&'static str> {
-        (name == "iac").then_some(include_str!("../../config/iac.toml"))
-    }
-
     fn paper() -> Self {
         Self {
             preset: Preset::Paper,
@@ -54,19 +47,29 @@ impl Config {
             nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false },
             cost: CostConfig {
                 input: 1e-3,
+                input_acceleration: 1e-3,
                 control_rate: 0.1,
                 acceleration_rate: 1.0,
                 steering_rate: 1.0,
                 steering_rate_floor: 0.0,
                 gentle_start: 0.0,
+                dissipation: 0.0,
                 terminal_slack: [40.0, 4.0, 4.0, 40.0, 40.0, 40.0],
                 lane_linear: 25.0,
                 lane_quadratic: 100.0,
                 slip: 1000.0,
                 speed: 25.0,
             },
+            envelope: EnvelopeConfig {
+                active: false,
+                grip_share: 1.0,
+                growth_least: 0.05,
+                growth_most: 0.5,
+                brake_share: 1.0,
+            },
             limits: LimitsConfig {
                 lane_margin: 0.1,
+                body: false,
                 front_slip: 0.11,
                 rear_slip: 0.09,
                 speed_cap: 0.0,
@@ -99,10 +102,12 @@ impl Config {
                 acceleration_rate: 1e-3,
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
+                dissipation: 2.0,
                 slip: 200.0,
                 ..paper.cost
             },
-            limits: LimitsConfig { front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
+            envelope: EnvelopeConfig { active: true, ..paper.envelope },
+            limits: LimitsConfig { body: true, front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper
         }
     }
@@ -130,6 +135,7 @@ default_of_race! {
     regression: RegressionConfig,
     nominal: NominalConfig,
     cost: CostConfig,
+    envelope: EnvelopeConfig,
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,

@@ -8,6 +8,12 @@ const SPEED_TIME: f64 = 0.5;
 const REACH_WHEELBASES: f64 = 3.0;
 /// The same in seconds of travel, at high speed.
 const REACH_TIME: f64 = 0.8;
+/// Share of the tyres' grip that a bend of the centre line may take.
+const BEND_SHARE: f64 = 0.3;
+/// Share of the strongest braking with which bends are approached.
+const BEND_BRAKE: f64 = 0.3;
+/// Places looked at ahead.
+const LOOKED_AT: f64 = 20.0;
 /// Share of the tyres' grip that braking may use.
 const BRAKE_SHARE: f64 = 0.8;
 
@@ -36,8 +42,24 @@ impl Tracker {
 
     /// Follows the centre line at speed `v_ref`.
     pub(crate) fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
+        let v_ref = v_ref.min(self.bend_speed(x, track));
         let a = ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a);
         Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
+    }
+
+    /// Speed from which comfortable braking reaches what each bend ahead allows.
+    fn bend_speed(&self, x: &State, track: &Track) -> f64 {
+        let brake = BEND_BRAKE * -self.least.a;
+        let stopping = x.v_x * x.v_x / (2.0 * brake) + x.v_x * SPEED_TIME;
+        let step = self.wheelbase.max(stopping / LOOKED_AT);
+        let mut slowest = f64::INFINITY;
+        for i in 0..=LOOKED_AT as u32 {
+            let ahead = f64::from(i) * step;
+            let kappa = track.kappa(x.s + ahead).abs().max(1e-9);
+            let room = ((ahead - x.v_x * SPEED_TIME).max(0.0)) * 2.0 * brake;
+            slowest = slowest.min(BEND_SHARE * self.grip / kappa + room);
+        }
+        slowest.sqrt()
     }
 
     /// Brakes along the centre line, as hard as cornering leaves grip for.
@@ -53,8 +75,8 @@ impl Tracker {
         let reach = (REACH_WHEELBASES * self.wheelbase).max(REACH_TIME * x.v_x);
         let kappa = track.kappa(x.s);
         let parallel = kappa / (1.0 - kappa * x.e_y).max(0.2);
-        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * x.e_psi.sin() / reach;
-        (self.wheelbase * wanted).atan().clamp(self.least.delta, self.most.delta)
+        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * libm::sin(x.e_psi) / reach;
+        libm::atan(self.wheelbase * wanted).clamp(self.least.delta, self.most.delta)
     }
 
     /// Friction circle: what the lateral acceleration leaves of the grip.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use controller::config::SolverMethod;
 use controller::fhocp::{Backend, ClarabelSolver, FhocpSolver, Solution, Solver};
-use controller::{Action, Config, Controller, Measurement, Pose};
+use controller::{Action, Config, Controller, Measurement, Pose, Preset};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -45,14 +45,10 @@ struct Tally {
 
 /// Compares on `count` problems of a loop.
 fn compare(case: &Loop, count: usize, tally: &mut Tally) {
-    let text = Config::of_car(case.car).unwrap_or_default();
-    let mut config = Config::from_toml(text).unwrap();
-    config.cost.control_rate *= case.control_rate;
-    if case.car == "kart" {
-        config.warm_up.speed = 6.0;
-    }
     let car = CarParams { actuator_lag: 0.0, ..CarParams::builtin(case.car).unwrap() };
     let track = Arc::new(Track::builtin(case.track).unwrap());
+    let mut config = Config::derived(Preset::Race, &car, &track);
+    config.cost.control_rate *= case.control_rate;
     let dt = config.horizon.period;
     let plant =
         Discretized { model: Model::new(ModelKind::Dynamic, car.clone()), dt, substeps: 10 };

@@ -5,7 +5,7 @@ use vehicle_model::{CarParams, Plant, PlantParams, State, Track};
 
 #[test]
 fn a_cap_set_while_driving_is_that_of_a_configuration() {
-    let mut config = Config::from_toml(Config::of_car("barc").unwrap_or_default()).unwrap();
+    let mut config = Config::default();
     config.warm_up.laps = 1;
     let car = CarParams::builtin("barc").unwrap();
     let track = std::sync::Arc::new(Track::builtin("l").unwrap());

@@ -80,14 +80,18 @@ pub struct Description {
 }
 
 impl Description {
-    /// GUID (FMI 2.0) and instantiation token (FMI 3.0): a hash of the model description, which
-    /// names every variable and the version, and of the sources. So description, library and
-    /// saved states of different builds cannot be mixed up.
+    /// GUID (FMI 2.0) and instantiation token (FMI 3.0): a hash of the sources and of what names
+    /// the variables. So description, library and saved states of different builds cannot be mixed
+    /// up. No number is in it: what a machine makes of a number must not decide whether a library
+    /// starts.
     #[must_use]
     pub fn token(&self) -> &str {
         self.token.get_or_init(|| {
-            let mut text = xml::fmi2::model_description(self, "");
-            text.push_str(&xml::fmi3::model_description(self, ""));
+            let mut text = format!("{} {}\n", self.model_identifier, self.version);
+            for v in self.table.variables() {
+                let unit = v.unit.map_or("", |u| u.name);
+                text.push_str(&format!("{} {:?} {:?} {unit} {}\n", v.name, v.kind, v.role, v.text));
+            }
             text.push_str(env!("LMPC_FMU_SOURCES"));
             checksum::guid(text.as_bytes())
         })

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use controller::Learned;
+use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Track};
 
 use crate::model::Io;
@@ -15,6 +16,35 @@ use crate::status::Fault;
 pub(crate) const CAR: &str = "barc";
 /// The track the models start on where nothing else is said.
 pub(crate) const TRACK: &str = "l";
+
+/// The centre line a saved state belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct CentreLine {
+    fingerprint: u64,
+    /// Its length [m].
+    length: f64,
+}
+
+impl CentreLine {
+    pub(crate) fn of(track: &Track) -> Self {
+        Self { fingerprint: track.fingerprint(), length: track.length() }
+    }
+
+    /// Refuses a state whose centre line is not that of `track`.
+    pub(crate) fn require(&self, track: &Track) -> Result<(), Fault> {
+        let here = Self::of(track);
+        if self.fingerprint == here.fingerprint {
+            return Ok(());
+        }
+        Err(Fault::Refused(format!(
+            "the state is of another centre line, {} m long; that of this instance's track '{}' is \
+             {} m long",
+            self.length,
+            track.name(),
+            here.length
+        )))
+    }
+}
 
 /// Reads the text of a file: as named, or below the FMU's resources.
 pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, Fault> {
@@ -72,4 +102,20 @@ fn looks_like_file(name: &str) -> bool {
 
 fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_centre_line_is_named_with_both_lengths() {
+        let [l, road] = ["l", "road_course"].map(|name| Track::builtin(name).unwrap());
+        let saved = CentreLine::of(&l);
+        saved.require(&l).unwrap();
+        let text = saved.require(&road).unwrap_err().to_string();
+        for length in [l.length(), road.length()] {
+            assert!(text.contains(&format!("{length} m")), "{text}");
+        }
+    }
 }

@@ -17,6 +17,8 @@
 //! | error, call refused | nothing changed | go on |
 //! | error, model failed | outputs unchanged | reset, restore a state, read, free |
 //! | fatal | instance lost | free |
+// The same bits on every machine: no function of the platform's mathematical library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod bytes;
 pub mod c;

@@ -53,6 +53,10 @@ pub trait Model: Send + Sized + 'static {
     /// [`Fault::Failed`] with the reason, naming parameter and value.
     fn start(io: &mut Io<'_>) -> Result<Self, Fault>;
 
+    /// Writes into the parameters what is in force: what a preset, a file or a name stands for, and
+    /// what a number left alone became. Called once, when initialisation has ended.
+    fn in_force(&mut self, _values: &mut Values) {}
+
     /// Moves from the beginning to the end of a step and writes the outputs of its end.
     ///
     /// # Errors

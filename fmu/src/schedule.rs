@@ -3,6 +3,9 @@
 /// Ticks per second; a nanosecond tick covers 292 years.
 const TICKS_PER_SECOND: f64 = 1e9;
 
+/// Relative error of a time or a step a host computed in single precision, such as `float32(0.1)`.
+const SINGLE: f64 = f32::EPSILON as f64;
+
 /// Fires every period, counted from the start of the simulation in integer ticks: the sum of
 /// many inexact communication steps never moves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,13 +33,23 @@ impl Schedule {
     /// Whether a step of this size [s] can hold more than one event.
     #[must_use]
     pub fn too_long(&self, size: f64) -> bool {
-        ticks(size) > self.period
+        ticks(size) as f64 > self.period as f64 * (1.0 + SINGLE) + 1.0
     }
 
-    /// Takes the next event if it lies before `time` [s after the start]: an event at the end of
-    /// a step belongs to the following step, because the inputs of that instant come with it.
-    pub fn due_before(&mut self, time: f64) -> bool {
-        let due = self.next < ticks(time);
+    /// Whether whole steps of this size [s] make up the period, to single precision and a tick.
+    #[must_use]
+    pub fn divides(&self, size: f64) -> bool {
+        let steps = self.period as f64 / (size * TICKS_PER_SECOND);
+        let error = SINGLE + 1.0 / self.period as f64;
+        (steps - steps.round()).abs() <= steps * error
+    }
+
+    /// Takes the next event if it lies before `time` [s after the start], the end of a step of this
+    /// size [s]: an event at the end of a step belongs to the following step, because the inputs of
+    /// that instant come with it. What single precision may add to a time does not count.
+    pub fn due_before(&mut self, time: f64, size: f64) -> bool {
+        let slack = (SINGLE * time).min(0.25 * size);
+        let due = self.next < ticks(time - slack);
         if due {
             self.next += self.period;
         }
@@ -72,7 +85,7 @@ mod tests {
         let (mut time, mut events) = (0.0, Vec::new());
         for k in 0..30_000 {
             time += 0.01;
-            if schedule.due_before(time) {
+            if schedule.due_before(time, 0.01) {
                 events.push(k);
             }
         }
@@ -80,6 +93,29 @@ mod tests {
         assert_eq!(events, expected);
         assert_eq!(schedule.count(), 3_000);
         assert_eq!(Schedule::resumed(0.1, 3_000), Some(schedule));
+    }
+
+    #[test]
+    fn steps_in_single_precision_hit_the_same_events() {
+        for (size, per_period) in [(0.1_f32, 1), (0.05, 2), (0.02, 5), (0.01, 10)] {
+            let size = f64::from(size);
+            let mut schedule = Schedule::new(0.1).unwrap();
+            assert!(!schedule.too_long(size) && schedule.divides(size), "{size}");
+            for k in 0..20_000 {
+                let due = schedule.due_before(f64::from(k + 1) * size, size);
+                assert_eq!(due, k % per_period == 0, "step {k} of {size} s");
+            }
+        }
+    }
+
+    #[test]
+    fn only_whole_parts_divide_the_period() {
+        let schedule = Schedule::new(0.1).unwrap();
+        let all = [0.1, 0.1 / 3.0, 0.01, 1e-3, 0.03, 0.099, 0.06, 7e-3];
+        let divides = all.map(|size| schedule.divides(size));
+        assert_eq!(divides, [true, true, true, true, false, false, false, false]);
+        let third = 1.0 / 3.0;
+        assert!(Schedule::new(third).unwrap().divides(third));
     }
 
     #[test]

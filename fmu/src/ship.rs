@@ -44,7 +44,8 @@ pub fn models() -> [(&'static str, &'static Description); 2] {
 }
 
 /// Writes `fmi2/` and `fmi3/` with both FMUs, `lmpc-race.ssp` (FMI 2.0) and
-/// `fmi3/lmpc-race.ssp`, and `osp/OspSystemStructure.xml`; returns the files.
+/// `fmi3/lmpc-race.ssp`, its parameter sets `barc.ssv`, `kart.ssv`, `iac.ssv` inside and beside
+/// them, and `osp/OspSystemStructure.xml`; returns the files.
 ///
 /// # Errors
 /// [`PackError`] if a library is missing or a file cannot be written.
@@ -59,6 +60,12 @@ pub fn ship(libraries: &[Libraries], out: &Path) -> Result<Vec<PathBuf>, PackErr
         let below = if version == Version::Fmi2 { out.to_owned() } else { out.join(folder) };
         let path = below.join("lmpc-race.ssp");
         write_system(&out.join(folder), &path)?;
+        written.push(path);
+    }
+    for set in system::SETS {
+        let path = out.join(format!("{}.ssv", set.car));
+        let error = |source| PackError::File { path: path.clone(), source };
+        std::fs::write(&path, system::ssv(&set)).map_err(error)?;
         written.push(path);
     }
     let path = out.join("osp/OspSystemStructure.xml");
@@ -84,6 +91,9 @@ fn binaries(libraries: &[Libraries], d: &Description, version: Version) -> Vec<B
 fn write_system(fmus: &Path, output: &Path) -> Result<(), PackError> {
     let ssd = system::ssd().into_bytes();
     let mut files = vec![("SystemStructure.ssd".to_owned(), ssd)];
+    for set in system::SETS {
+        files.push((format!("resources/{}.ssv", set.car), system::ssv(&set).into_bytes()));
+    }
     for (file, _) in models() {
         let path = fmus.join(file);
         let bytes = std::fs::read(&path).map_err(|source| PackError::File { path, source })?;

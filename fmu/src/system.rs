@@ -2,18 +2,25 @@
 //!
 //! Both FMUs name the signals between them alike, so every connection is from a name to itself.
 
+use controller::{Config, Preset};
+use vehicle_model::{CarParams, Track};
+
 use crate::controller::ControllerFmu;
 use crate::description::Description;
 use crate::model::Model;
 use crate::ship::{CONTROLLER, VEHICLE};
 use crate::variable::{Kind, Role, Variable};
 use crate::vehicle::VehicleFmu;
-use crate::xml::{Xml, number};
+use crate::xml::{self, Attribute, Xml, number};
 
 /// Communication step of the system in parallel exchange [s]. Each exchange delays a signal by
 /// one step, so it is a tenth of the controller's period.
 const STEP: f64 = 0.01;
 const STOP: f64 = 60.0;
+/// No step is repeated, so nothing is compared with it.
+const TOLERANCE: f64 = 1e-4;
+/// What OMSimulator calls the loop over both models.
+const SOLVER: &str = "exchange";
 const NAMES: [&str; 2] = ["controller", "vehicle"];
 
 /// Inputs of one model that the other one has as outputs.
@@ -42,7 +49,7 @@ pub(crate) fn ssd() -> String {
             ("xmlns:ssv", s("http://ssp-standard.org/SSP1/SystemStructureParameterValues")),
             ("xmlns:ssc", s("http://ssp-standard.org/SSP1/SystemStructureCommon")),
             ("version", s("1.0")),
-            ("name", s("lmpc-race")),
+            ("name", s("lmpc_race")),
         ],
     );
     xml.open("ssd:System", &[("name", s("race"))]);
@@ -65,25 +72,58 @@ pub(crate) fn ssd() -> String {
         }
     }
     xml.close("ssd:Connections");
+    // OMSimulator 3 reads the attributes, OMSimulator 2 the element within.
+    let solver = [
+        ("name", s(SOLVER)),
+        ("method", s("oms_ma")),
+        ("fixedStepSize", number(STEP)),
+        ("initialStepSize", number(STEP)),
+        ("minimumStepSize", number(STEP)),
+        ("maximumStepSize", number(STEP)),
+        ("relativeTolerance", number(TOLERANCE)),
+    ];
+    open_modelica(&mut xml, &solver, |xml| {
+        let master = ("description", s("oms-ma"));
+        let tolerance = ("relativeTolerance", number(TOLERANCE));
+        xml.leaf("oms:FixedStepMaster", &[master, ("stepSize", number(STEP)), tolerance]);
+    });
     xml.close("ssd:System");
+    units(&mut xml);
     xml.open("ssd:DefaultExperiment", &[("startTime", number(0.0)), ("stopTime", number(STOP))]);
+    let result = [
+        ("resultFile", s("lmpc_race.csv")),
+        ("loggingInterval", number(0.0)),
+        ("bufferSize", s("10")),
+    ];
+    open_modelica(&mut xml, &result, |_| ());
+    xml.close("ssd:DefaultExperiment");
+    xml.close("ssd:SystemStructureDescription");
+    xml.finish()
+}
+
+/// What OMSimulator alone reads, for the element around it.
+fn open_modelica(xml: &mut Xml, information: &[Attribute], inside: impl FnOnce(&mut Xml)) {
     xml.open("ssd:Annotations", &[]);
-    xml.open("ssc:Annotation", &[("type", s("org.openmodelica"))]);
-    let oms = (
-        "xmlns:oms",
-        s("https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"),
-    );
-    xml.open("oms:Annotations", &[oms]);
-    xml.open("oms:SimulationInformation", &[]);
-    let master = ("description", s("oms-ma"));
-    xml.leaf("oms:FixedStepMaster", &[master, ("stepSize", number(STEP))]);
+    xml.open("ssc:Annotation", &[("type", "org.openmodelica".to_owned())]);
+    let schema = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
+    xml.open("oms:Annotations", &[("xmlns:oms", schema.to_owned())]);
+    xml.open("oms:SimulationInformation", information);
+    inside(xml);
     xml.close("oms:SimulationInformation");
     xml.close("oms:Annotations");
     xml.close("ssc:Annotation");
     xml.close("ssd:Annotations");
-    xml.close("ssd:DefaultExperiment");
-    xml.close("ssd:SystemStructureDescription");
-    xml.finish()
+}
+
+/// Every unit of either model.
+fn units(xml: &mut Xml) {
+    let mut all = xml::units(ControllerFmu::description());
+    all.extend(xml::units(VehicleFmu::description()));
+    xml.open("ssd:Units", &[]);
+    for unit in all.values() {
+        xml::unit_definition(xml, unit, ["ssc:Unit", "ssc:BaseUnit"]);
+    }
+    xml.close("ssd:Units");
 }
 
 fn component(xml: &mut Xml, name: &str, file: &str, d: &Description) {
@@ -93,6 +133,7 @@ fn component(xml: &mut Xml, name: &str, file: &str, d: &Description) {
             ("name", name.to_owned()),
             ("type", "application/x-fmu-sharedlibrary".to_owned()),
             ("source", format!("resources/{file}")),
+            ("implementation", "CoSimulation".to_owned()),
         ],
     );
     xml.open("ssd:Connectors", &[]);
@@ -133,7 +174,64 @@ fn component(xml: &mut Xml, name: &str, file: &str, d: &Description) {
     xml.close("ssd:ParameterValues");
     xml.close("ssd:ParameterBinding");
     xml.close("ssd:ParameterBindings");
+    open_modelica(xml, &[("name", SOLVER.to_owned())], |_| ());
     xml.close("ssd:Component");
+}
+
+/// `NAME.ssv`, SSP 1.0: an external parameter set for the wired system that puts a car on a track.
+pub(crate) fn ssv(set: &ParameterSet) -> String {
+    let mut xml = Xml::new();
+    let s = |text: &str| text.to_owned();
+    xml.open(
+        "ssv:ParameterSet",
+        &[
+            ("xmlns:ssv", s("http://ssp-standard.org/SSP1/SystemStructureParameterValues")),
+            ("xmlns:ssc", s("http://ssp-standard.org/SSP1/SystemStructureCommon")),
+            ("version", s("1.0")),
+            ("name", s(set.car)),
+        ],
+    );
+    xml.open("ssv:Parameters", &[]);
+    let [controller, vehicle] = NAMES;
+    let mut parameter = |element: &str, name: &str, kind: &str, value: String| {
+        xml.open("ssv:Parameter", &[("name", format!("{element}.{name}"))]);
+        xml.leaf(kind, &[("value", value)]);
+        xml.close("ssv:Parameter");
+    };
+    for element in [controller, vehicle] {
+        parameter(element, "param.track", "ssv:String", s(set.track));
+        parameter(element, "param.car", "ssv:String", s(set.car));
+    }
+    parameter(vehicle, "initial.v_x", "ssv:Real", number(set.speed()));
+    xml.close("ssv:Parameters");
+    xml.close("ssv:ParameterSet");
+    xml.finish()
+}
+
+/// A car and a track it fits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ParameterSet {
+    pub(crate) car: &'static str,
+    track: &'static str,
+}
+
+/// The parameter sets that ship.
+pub(crate) const SETS: [ParameterSet; 3] = [
+    ParameterSet { car: "barc", track: "l" },
+    ParameterSet { car: "kart", track: "road_course" },
+    ParameterSet { car: "iac", track: "road_course" },
+];
+
+impl ParameterSet {
+    /// The car starts at the speed of the controller's initial laps [m/s].
+    fn speed(&self) -> f64 {
+        let (car, track) = (CarParams::builtin(self.car), Track::builtin(self.track));
+        let config = match (&car, &track) {
+            (Ok(car), Some(track)) => Config::derived(Preset::Race, car, track),
+            _ => Config::default(),
+        };
+        config.warm_up.speed
+    }
 }
 
 enum Value {

@@ -50,4 +50,14 @@ impl Values {
     pub fn set_real(&mut self, slot: Real, value: f64) {
         self.numbers[slot.0] = value;
     }
+
+    /// Sets an integer variable.
+    pub fn set_integer(&mut self, slot: Integer, value: i32) {
+        self.numbers[slot.0] = f64::from(value);
+    }
+
+    /// Sets a truth value.
+    pub fn set_boolean(&mut self, slot: Boolean, value: bool) {
+        self.numbers[slot.0] = f64::from(u8::from(value));
+    }
 }

@@ -294,3 +294,56 @@ fn twenty_instances_on_twenty_threads_drive_as_one_alone() {
         }
     });
 }
+
+#[test]
+fn settings_read_as_in_force() {
+    let get = |fmu: &Fmu, name: &str| {
+        let mut value = f64::NAN;
+        // SAFETY: one reference, one value.
+        assert_eq!(unsafe { c::fmi2GetReal(fmu.0, &reference(name), 1, &mut value) }, 0);
+        value
+    };
+    let (car, track) = (CarParams::builtin("iac").unwrap(), Track::builtin("road_course").unwrap());
+    let shipped = Config::derived(controller::Preset::Race, &car, &track);
+    let fmu = Fmu::with(&[("param.car", "iac"), ("param.track", "road_course")]);
+    assert_eq!(get(&fmu, "param.period"), shipped.horizon.period);
+    assert_eq!(get(&fmu, "param.horizon"), shipped.horizon.steps as f64);
+    assert_eq!(get(&fmu, "param.limits.speed_cap"), shipped.limits.speed_cap);
+    assert_eq!(get(&fmu, "param.warm_up.laps"), WARM_UP_LAPS as f64);
+    let paper = Fmu::with(&[("param.preset", "paper")]);
+    let expected = Config::preset(controller::Preset::Paper);
+    assert_eq!(get(&paper, "param.cost.control_rate"), expected.cost.control_rate);
+}
+
+#[test]
+fn a_step_that_does_not_divide_the_period_warns_once() {
+    let fmu = Fmu::ready();
+    let x = State { v_x: 1.2, ..State::default() }.to_vector();
+    // SAFETY: six references, six values; no pointers but the handle.
+    unsafe {
+        assert_eq!(c::fmi2SetReal(fmu.0, references(STATE).as_ptr(), 6, x.as_ptr()), 0);
+        let size = f64::from(0.05_f32);
+        assert_eq!(c::fmi2DoStep(fmu.0, 0.0, size, 1), 0);
+        assert_eq!(c::fmi2DoStep(fmu.0, f64::from(0.05_f32), size, 1), 0);
+        assert_eq!(c::fmi2DoStep(fmu.0, 0.1, 0.03, 1), 1);
+        assert_eq!(c::fmi2DoStep(fmu.0, 0.13, 0.03, 1), 0);
+    }
+}
+
+#[test]
+fn a_state_of_another_centre_line_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("track.toml");
+    let track = |length: f64| {
+        let half = format!(
+            "[[segment]]\nlength_m = {length}\n[[segment]]\nradius_m = 1.5\nangle_deg = 180.0\n"
+        );
+        let text = "name = \"oval\"\nwidth_left_m = 0.5\nwidth_right_m = 0.5\n".to_owned();
+        std::fs::write(&path, text + &half + &half).unwrap();
+    };
+    track(5.0);
+    let saved = Fmu::with(&[("param.track", path.to_str().unwrap())]).bytes();
+    assert_eq!(Fmu::instantiate().restore(&saved), 0);
+    track(6.0);
+    assert_eq!(Fmu::instantiate().restore(&saved), 3);
+}

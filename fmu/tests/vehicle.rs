@@ -226,3 +226,49 @@ fn wrong_parameters_are_refused_at_the_end_of_initialisation() {
         assert_eq!(Car::new(&[], &[], &[("param.car", name)]).initialize(), 0, "{name}");
     }
 }
+
+#[test]
+fn a_number_overrides_the_chosen_car_and_all_read_as_in_force() {
+    let car = Car::new(&[("car.mass", 900.0)], &[], &[("param.car", "iac")]);
+    // Reading an output builds the car early; the choice is still open.
+    // SAFETY: no pointers but the handle.
+    assert_eq!(unsafe { c::fmi3EnterInitializationMode(car.0, 0, 0.0, 0.0, 0, 0.0) }, 0);
+    assert_eq!(car.get("vehicle.v_x"), 1.2);
+    assert_eq!(car.get("car.mass"), 900.0);
+    let name = c"kart";
+    // SAFETY: one reference, one text; no pointers but the handle.
+    unsafe {
+        assert_eq!(c::fmi3SetString(car.0, &reference("param.car"), 1, &name.as_ptr(), 1), 0);
+        assert_eq!(c::fmi3ExitInitializationMode(car.0), 0);
+    }
+    let kart = CarParams::builtin("kart").unwrap();
+    assert_eq!(car.get("car.mass"), 900.0);
+    assert_eq!(car.get("car.inertia_z"), kart.inertia_z);
+    assert_eq!(car.get("car.a_max"), kart.a_max);
+    assert_eq!(car.get("car.power_max"), kart.power_max.unwrap_or_default());
+    // It goes on from its bytes, in an instance that nothing was set in.
+    car.set("cmd.a", kart.a_max);
+    car.step(0.0, 0.1);
+    let (bytes, second) = (car.serialized(), Car::bare());
+    assert_eq!(second.restore(&bytes), 0);
+    for car in [&car, &second] {
+        car.step(0.1, 0.1);
+    }
+    assert_eq!(car.state("truth"), second.state("truth"));
+    assert_eq!(second.get("car.mass"), 900.0);
+}
+
+#[test]
+fn a_command_beyond_the_chosen_cars_limits_warns_once() {
+    let car = Car::new(&[], &[], &[("param.car", "kart")]);
+    assert_eq!(car.initialize(), 0);
+    let most = CarParams::builtin("kart").unwrap().a_max;
+    let statuses = [1.0, 2.0, 3.0].map(|times| {
+        car.set("cmd.a", times * most);
+        let (mut event, mut stop, mut early, mut last) = (0, 0, 0, 0.0);
+        let time = car.get("time");
+        // SAFETY: all places are ours.
+        unsafe { c::fmi3DoStep(car.0, time, 0.1, 1, &mut event, &mut stop, &mut early, &mut last) }
+    });
+    assert_eq!(statuses, [0, 1, 0]);
+}

@@ -18,6 +18,8 @@ pub const HEARTBEAT: &str = "HB/";
 pub const OPERATOR: &str = "OP/CMD";
 /// [`OperatorAck`](crate::OperatorAck).
 pub const OPERATOR_ACK: &str = "OP/ACK";
+/// [`Setup`](crate::Setup).
+pub const SETUP: &str = "LMPC/SETUP";
 /// [`Track`](crate::Track).
 pub const TRACK: &str = "MAP/TRACK";
 

@@ -14,6 +14,7 @@
 //! | [`Heartbeat`] | [`channels::HEARTBEAT`] + name | each program → all |
 //! | [`OperatorCommand`] | [`channels::OPERATOR`] | operator → car, controller |
 //! | [`OperatorAck`] | [`channels::OPERATOR_ACK`] | car, controller → operator |
+//! | [`Setup`] | [`channels::SETUP`] | controller → bridge |
 //! | [`Track`] | [`channels::TRACK`] | controller → all |
 //!
 //! Bytes from a network are not trusted: [`Message::decode`] returns a value or an [`Error`], and

@@ -37,6 +37,7 @@ fn recode(name: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
         crate::Heartbeat,
         crate::OperatorCommand,
         crate::OperatorAck,
+        crate::Setup,
         crate::Track,
         crate::sample::Empty,
         crate::sample::Part,
@@ -50,7 +51,7 @@ fn schema() -> Schema {
 }
 
 /// As printed by lcm-gen 1.3.1 and 1.5.3.
-const FINGERPRINTS: [(&str, u64); 12] = [
+const FINGERPRINTS: [(&str, u64); 13] = [
     ("lmpc.actuation_command_t", 0x5910_1ead_56c1_6132),
     ("lmpc.actuation_report_t", 0x424b_58e8_d5db_3819),
     ("lmpc.frenet_t", 0xe7e5_6d20_a1c3_5904),
@@ -61,6 +62,7 @@ const FINGERPRINTS: [(&str, u64); 12] = [
     ("lmpc.operator_ack_t", 0x96b7_0b00_79c6_2ca5),
     ("lmpc.operator_command_t", 0x9222_fccc_670d_1e58),
     ("lmpc.pred_point_t", 0x970a_595c_8d0d_2ce2),
+    ("lmpc.setup_t", 0x85ea_f3c7_b034_54b0),
     ("lmpc.track_t", 0x2e52_3ba3_9c20_da0e),
     ("lmpc.vehicle_state_t", 0x6e72_dadd_f994_2e67),
 ];

@@ -20,12 +20,12 @@ export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'
 pids=
 trap 'kill $pids 2>/dev/null || true' EXIT
 if [ "$vehicle" = car ]; then
-    $lmpc bridge --vehicle car --map examples/lcm/car.toml --state-period-ms 20 2>"$out/bridge.txt" &
+    $lmpc bridge --set warm_up.laps=2 --vehicle car --map examples/lcm/car.toml --state-period-ms 20 2>"$out/bridge.txt" &
     bridge=$!
     "$python" examples/lcm/foreign_car.py --rate 50 --distance 1000 --patience 240 &
     pids="$bridge $!"
 else
-    $lmpc bridge --vehicle "$vehicle" ${2:+--map "$2"} 2>"$out/bridge.txt" &
+    $lmpc bridge --set warm_up.laps=2 --vehicle "$vehicle" ${2:+--map "$2"} 2>"$out/bridge.txt" &
     bridge=$!
     pids=$bridge
 fi

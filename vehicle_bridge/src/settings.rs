@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use controller::Config;
 use toml::{Table, Value};
+use vehicle_model::{CarParams, Track};
 
 /// A command line that cannot be obeyed.
 #[derive(Debug, thiserror::Error)]
@@ -71,12 +72,20 @@ impl Layers {
         self.table.insert("preset".to_owned(), Value::String(name.to_owned()));
     }
 
-    /// The configuration.
+    /// The configuration of layers over a preset as it stands, for the paper's studies.
     ///
     /// # Errors
     /// If a value is out of range.
     pub fn build(&self) -> Result<Config> {
         Ok(Config::from_toml(&toml::to_string(&self.table)?)?)
+    }
+
+    /// The configuration: what follows from car and track below all layers.
+    ///
+    /// # Errors
+    /// If a value is out of range.
+    pub fn build_for(&self, car: &CarParams, track: &Track) -> Result<Config> {
+        Ok(Config::from_toml_for(&toml::to_string(&self.table)?, car, track)?)
     }
 }
 

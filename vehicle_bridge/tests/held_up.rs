@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "code of tests")]
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -11,6 +11,7 @@ use vehicle_bridge::network::bridge::Bridge;
 use vehicle_bridge::network::map_file;
 use vehicle_bridge::network::side::CarSide;
 use vehicle_bridge::safety::Rules;
+use vehicle_bridge::shutdown::Shutdown;
 use vehicle_bridge::transport::{Error, Filter, Sink, Statistics, Transport};
 use vehicle_model::{CarParams, Track};
 
@@ -24,7 +25,7 @@ struct Late {
     car: String,
     sent: AtomicUsize,
     reports: Mutex<Vec<ActuationReport>>,
-    stop: AtomicBool,
+    stop: Shutdown,
 }
 
 impl Transport for Late {
@@ -35,7 +36,9 @@ impl Transport for Late {
         if channel == channels::ACTUATION {
             let mut reports = self.reports.lock().unwrap();
             reports.push(ActuationReport::open(payload).unwrap());
-            self.stop.store(reports.len() >= REPORTS, Ordering::Relaxed);
+            if reports.len() >= REPORTS {
+                self.stop.request();
+            }
         }
         Ok(())
     }
@@ -61,7 +64,7 @@ fn what_the_car_gets_late_is_not_followed_faster_than_it_may_be() {
         car: mapping.command_channel().to_owned(),
         sent: AtomicUsize::new(0),
         reports: Mutex::default(),
-        stop: AtomicBool::new(false),
+        stop: Shutdown::default(),
     });
     let network: Arc<dyn Transport> = Arc::<Late>::clone(&late);
     let track = Arc::new(Track::builtin("l").unwrap());

@@ -35,7 +35,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn controller() -> Controller {
-    let mut config = Config::from_toml(Config::of_car("barc").unwrap_or_default()).unwrap();
+    let mut config = Config::default();
     config.warm_up.laps = 1;
     let nominal = CarParams::builtin("barc").unwrap().with_mu(1.2);
     Controller::new(config, nominal, Arc::new(Track::builtin("l").unwrap())).unwrap()

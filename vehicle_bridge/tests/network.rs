@@ -29,12 +29,12 @@ fn start(arguments: &[&str]) -> Program {
 /// What the two processes are given.
 fn options() -> RaceOptions {
     let car = CarParams::builtin("barc").unwrap();
-    let shipped = Config::of_car("barc").unwrap_or_default();
-    let mut config = Config::from_toml(shipped).unwrap();
+    let nominal = car.clone().with_mu(1.2);
+    let track = std::sync::Arc::new(Track::builtin("l").unwrap());
+    let mut config = Config::derived(controller::Preset::Race, &nominal, &track);
     config.warm_up.laps = 1;
     config.warm_up.seed = SEED;
-    let track = std::sync::Arc::new(Track::builtin("l").unwrap());
-    let mut options = RaceOptions::new(config, car.clone().with_mu(1.2), track);
+    let mut options = RaceOptions::new(config, nominal, track);
     options.plant = vehicle_model::PlantParams::new(car);
     change_plant(&mut options.plant, &PLANT.split(',').map(str::to_owned).collect::<Vec<_>>())
         .unwrap();

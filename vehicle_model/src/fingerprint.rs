@@ -2,6 +2,16 @@
 //! bits of what they are made of. Computed values have no part in it: sines differ in their last
 //! bit between platforms.
 
+/// Hash of several numbers in their order, such as the fingerprints of a car and a track.
+#[must_use]
+pub fn fingerprint(words: &[u64]) -> u64 {
+    let mut hash = Fnv1a::new();
+    for word in words {
+        hash.write(*word);
+    }
+    hash.finish()
+}
+
 /// FNV-1a, 64 bit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fnv1a(u64);

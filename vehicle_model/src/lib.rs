@@ -5,13 +5,17 @@
 //! steering, curvature and lateral deviation are positive to the left. All units are SI and
 //! radians.
 #![forbid(unsafe_code)]
+// The same bits on every machine: no function of the platform's mathematical library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod discretized;
 pub mod error;
 mod fingerprint;
 pub mod limiter;
 pub mod model;
+pub mod normal;
 mod number;
+pub mod outline;
 pub mod params;
 pub mod plant;
 pub mod slip;
@@ -20,9 +24,14 @@ pub mod track;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
+pub use fingerprint::fingerprint;
 pub use limiter::{Limit, Limited, Limiter};
-pub use model::{AxleForces, Model, ModelKind, PoseConvention};
-pub use params::{CarParams, ParamProblem, Tyre};
+pub use model::{
+    AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
+    SpatialExpansion,
+};
+pub use outline::{BodyPoint, Extent, Outline};
+pub use params::{CarParams, GRAVITY, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};

@@ -6,6 +6,7 @@
 mod axles;
 mod bicycle;
 mod kinematic;
+mod spatial;
 mod tyre;
 
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,7 @@ use crate::params::CarParams;
 use crate::state::{Input, NU, NX, State};
 
 pub use axles::AxleForces;
+pub use spatial::{SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion};
 pub(crate) use tyre::slip_speed;
 
 /// Which equations a model uses.
@@ -104,7 +106,8 @@ impl Model {
     pub fn utilisation(&self, forces: &AxleForces<f64>) -> [f64; 2] {
         let mu = [self.params.tyre_front.mu, self.params.tyre_rear.mu];
         std::array::from_fn(|i| {
-            forces.long[i].hypot(forces.lateral[i]) / (mu[i] * self.grip[i] * forces.vertical[i])
+            libm::hypot(forces.long[i], forces.lateral[i])
+                / (mu[i] * self.grip[i] * forces.vertical[i])
         })
     }
 

@@ -36,7 +36,7 @@ impl Tyre {
         if self.c <= 1.0 {
             return f64::INFINITY;
         }
-        (std::f64::consts::FRAC_PI_2 / self.c).tan() / self.b
+        libm::tan(std::f64::consts::FRAC_PI_2 / self.c) / self.b
     }
 }
 

@@ -118,6 +118,12 @@ impl Plant {
         self.state = PlantState::new(initial, self.params.seed);
     }
 
+    /// [`Plant::reset`] with the actuators already at `position`.
+    pub fn reset_at(&mut self, initial: State, position: Input) {
+        self.reset(initial);
+        self.state.actuators = Actuators::at(position);
+    }
+
     /// Drives with a command for `dt` seconds; a `dt` that is not above 0 changes nothing.
     ///
     /// The command enters the actuators now and acts after their delay; what is not finite in it
@@ -197,6 +203,12 @@ impl Plant {
 
     fn wrapped(&self, x: State) -> State {
         State { s: self.track.wrap(x.s), e_psi: crate::track::wrap_angle(x.e_psi), ..x }
+    }
+
+    /// The true state with s growing over the laps and e_psi over the turns.
+    #[must_use]
+    pub fn unwrapped(&self) -> State {
+        self.state.x
     }
 
     /// The true pose and velocities in the global frame.

@@ -31,7 +31,7 @@ impl SlipAngles {
             let norm = speed * speed + lateral * lateral;
             let gradient =
                 Vector3::new(by_speed * lateral / norm, -speed / norm, -arm * speed / norm);
-            (-(lateral / speed).atan(), gradient)
+            (-libm::atan(lateral / speed), gradient)
         };
         let (front, front_gradient) = axle(car.l_f);
         let (rear, rear_gradient) = axle(-car.l_r);

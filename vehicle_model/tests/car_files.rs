@@ -107,3 +107,18 @@ fn damaged_files_say_what_is_wrong() {
         assert!(message.contains(expected), "expected '{expected}' in: {message}");
     }
 }
+
+/// The published stiffness of the linear tyre is the slope of the curve at 0, per friction.
+#[test]
+fn published_cornering_stiffness_is_the_slope_of_the_tyre_curve() {
+    for (name, front, rear) in [("f1tenth", 4.718, 5.4562), ("road", 20.89, 20.89)] {
+        let car = CarParams::builtin(name).unwrap();
+        for (tyre, published) in [(&car.tyre_front, front), (&car.tyre_rear, rear)] {
+            let alpha = 1e-6_f64;
+            let slope = (tyre.c * (tyre.b * alpha).atan()).sin() / alpha;
+            assert!((slope / published - 1.0).abs() < 1e-4, "{name}: {slope}");
+        }
+        let switch = car.power_max.unwrap() / (car.mass * car.a_max);
+        assert!((switch - 7.319).abs() < 1e-2, "{name}: {switch}");
+    }
+}

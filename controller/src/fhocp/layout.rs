@@ -30,7 +30,7 @@ impl Shape {
             rate: [problem.du_max[0].is_finite(), problem.du_max[1].is_finite()],
             front: problem.front_max.is_finite(),
             rear: problem.rear_max.is_finite(),
-            speed: problem.speed_max.is_finite(),
+            speed: problem.speed_max.iter().any(|v| v.is_finite()),
         }
     }
 
@@ -105,15 +105,22 @@ fn objective(problem: &Fhocp, shape: &Shape, out: &mut impl Entries) {
     for t in 0..n {
         // (u_t - u_{t-1})^2 and (u_{t+1} - u_t)^2 both hold u_t^2; the last input has one only.
         let neighbours = if t + 1 < n { 2.0 } else { 1.0 };
-        for i in 0..NU {
+        let front = &problem.front[t];
+        let known = if t == 0 { front.angle(&problem.x_0, 0.0) } else { front.offset };
+        let slip = [0.0, front.weight * front.steering * front.steering];
+        for (i, slip) in slip.into_iter().enumerate() {
             let u = shape.u(t) + i;
-            out.p(u, u, 2.0 * (problem.input_cost[i] + neighbours * problem.rate_cost[i]));
+            let rates = neighbours * problem.rate_cost[i];
+            out.p(u, u, 2.0 * (problem.input_cost[i] + rates + slip));
+            let mut pull = if i == 1 { front.pull(known) * front.steering } else { 0.0 };
             if t == 0 {
-                out.q(u, -2.0 * problem.rate_cost[i] * problem.u_prev[i]);
+                pull -= 2.0 * problem.rate_cost[i] * problem.u_prev[i];
             } else {
                 out.p(u - NU, u, -2.0 * problem.rate_cost[i]);
             }
+            out.q(u, pull);
         }
+        slip_cost(problem, shape, t + 1, out);
         out.p(shape.lane() + t, shape.lane() + t, 2.0 * problem.lane_quadratic);
         out.q(shape.lane() + t, problem.lane_linear);
         if shape.front {
@@ -132,6 +139,26 @@ fn objective(problem: &Fhocp, shape: &Shape, out: &mut impl Entries) {
     for i in 0..NX {
         let e = shape.terminal() + i;
         out.p(e, e, 2.0 * problem.terminal_slack[i]);
+    }
+}
+
+/// The slip costs on x_t, t = 1..N: the front axle's of stage t and the rear axle's of the stage
+/// before; and what couples x_t with the steering angle.
+fn slip_cost(problem: &Fhocp, shape: &Shape, t: usize, out: &mut impl Entries) {
+    let none = SlipRow::default();
+    let front = problem.front.get(t).unwrap_or(&none);
+    let rows = [front, &problem.rear[t - 1]];
+    let x = shape.x(t);
+    for i in 0..3 {
+        out.q(x + i, rows.iter().map(|row| row.pull(row.offset) * row.velocity[i]).sum());
+        for j in i..3 {
+            let square = |row: &&SlipRow| 2.0 * row.weight * row.velocity[i] * row.velocity[j];
+            out.p(x + i, x + j, rows.iter().map(square).sum());
+        }
+        if t < shape.horizon {
+            let coupled = 2.0 * front.weight * front.velocity[i] * front.steering;
+            out.p(x + i, shape.u(t) + 1, coupled);
+        }
     }
 }
 
@@ -205,7 +232,7 @@ fn inequalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) 
         }
         if shape.speed {
             let slack = shape.speed_slack() + t;
-            rows.soft(&[(shape.x(t + 1), 1.0)], slack, problem.speed_max);
+            rows.soft(&[(shape.x(t + 1), 1.0)], slack, problem.speed_max[t]);
             rows.bound(slack, -1.0, 0.0);
         }
     }

@@ -3,13 +3,14 @@
 //! ```text
 //! minimise   sum_t  c_u |u_t|^2 + r' (u_t - u_{t-1})^2           t = 0..N-1
 //!          + sum_t  l s_t + q s_t^2  (lane)  + w f_t  (front slip) + w g_t  (rear slip) + v p_t
+//!          + sum_t  c_f (alpha_f - ref_f)^2 + c_r (alpha_r - ref_r)^2   (tyre dissipation)
 //!          + J' lambda + e' E e
 //! subject to x_{t+1} = A_t x_t + B_t u_t + C_t
 //!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
 //!            |alpha_r(x_t)| <= rear_max + g_t                     t = 1..N
-//!            v_x(x_t) <= speed_max + p_t                          t = 1..N
+//!            v_x(x_t) <= speed_max_t + p_t                        t = 1..N
 //!            x_N = X lambda + e,  lambda >= 0,  1' lambda = 1,  slacks >= 0
 //! ```
 //!
@@ -43,6 +44,10 @@ pub struct SlipRow {
     pub steering: f64,
     /// Constant part [rad].
     pub offset: f64,
+    /// Weight of the squared distance of the angle from `reference`, in steps [1/rad^2].
+    pub weight: f64,
+    /// Slip angle of the point of linearisation [rad].
+    pub reference: f64,
 }
 
 impl SlipRow {
@@ -51,6 +56,16 @@ impl SlipRow {
     pub fn angle(&self, x: &Vector6<f64>, delta: f64) -> f64 {
         let [g_x, g_y, g_w] = self.velocity;
         g_x * x[0] + g_y * x[1] + g_w * x[2] + self.steering * delta + self.offset
+    }
+
+    /// Slope of [`SlipRow::cost`] where the angle is `angle`.
+    fn pull(&self, angle: f64) -> f64 {
+        2.0 * self.weight * (angle - self.reference)
+    }
+
+    /// Cost of the angle's distance from its reference, in steps.
+    fn cost(&self, x: &Vector6<f64>, delta: f64) -> f64 {
+        self.weight * (self.angle(x, delta) - self.reference).powi(2)
     }
 }
 
@@ -91,8 +106,8 @@ pub struct Fhocp {
     pub rear_max: f64,
     /// Linear weight of the slip slacks.
     pub slip_linear: f64,
-    /// Speed cap; infinite for none [m/s].
-    pub speed_max: f64,
+    /// Greatest v_x of stage t + 1, N; all infinite for none [m/s].
+    pub speed_max: Vec<f64>,
     /// Linear weight of the speed slack.
     pub speed_linear: f64,
     /// Safe-set points, the columns of X.
@@ -125,7 +140,7 @@ impl Fhocp {
             front_max: f64::INFINITY,
             rear_max: f64::INFINITY,
             slip_linear: 0.0,
-            speed_max: f64::INFINITY,
+            speed_max: vec![f64::INFINITY; horizon],
             speed_linear: 0.0,
             hull: vec![Vector6::zeros(); hull],
             hull_cost: vec![0.0; hull],
@@ -152,7 +167,8 @@ impl Fhocp {
                 .iter()
                 .all(|m| m.a.iter().chain(m.b.iter()).chain(m.c.iter()).all(|v| v.is_finite()))
             && rows.into_iter().all(|r| {
-                r.velocity.iter().all(|v| v.is_finite()) && (r.steering + r.offset).is_finite()
+                r.velocity.iter().all(|v| v.is_finite())
+                    && (r.steering + r.offset + r.weight + r.reference).is_finite()
             })
     }
 
@@ -172,6 +188,10 @@ impl Fhocp {
             cost += self.input_cost.dot(&u.component_mul(u));
             cost += self.rate_cost.dot(&du.component_mul(&du));
             u_before = *u;
+        }
+        for (t, u) in solution.u.iter().enumerate() {
+            cost += self.front[t].cost(&solution.x[t], u[1]);
+            cost += self.rear[t].cost(&solution.x[t + 1], 0.0);
         }
         for s in &slacks.lane {
             cost += self.lane_linear * s + self.lane_quadratic * s * s;

@@ -37,7 +37,7 @@ impl Slacks {
             self.lane.push((problem.e_y_min[t] - e_y).max(e_y - problem.e_y_max[t]).max(0.0));
             self.front.push((problem.front[t].angle(x, delta).abs() - problem.front_max).max(0.0));
             self.rear.push((problem.rear[t].angle(next, 0.0).abs() - problem.rear_max).max(0.0));
-            self.speed.push((next[0] - problem.speed_max).max(0.0));
+            self.speed.push((next[0] - problem.speed_max[t]).max(0.0));
         }
     }
 }

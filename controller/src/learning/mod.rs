@@ -1,6 +1,7 @@
 //! What is learned from the car's own laps: data, safe set, error model, grip.
 
 pub mod dataset;
+pub(crate) mod envelope;
 pub(crate) mod grip;
 pub(crate) mod neighbors;
 pub mod regression;

@@ -79,7 +79,7 @@ impl Setting {
         problem.front_max = if self.front { 0.14 } else { f64::INFINITY };
         problem.rear_max = if self.rear { 0.14 } else { f64::INFINITY };
         problem.slip_linear = 200.0;
-        problem.speed_max = self.speed_max;
+        problem.speed_max.fill(self.speed_max);
         problem.speed_linear = 25.0;
         problem.terminal_slack = Vector6::new(40.0, 4.0, 4.0, 40.0, 40.0, 40.0);
         problem
@@ -233,7 +233,7 @@ fn slip(car: &Car, x: &Vector6<f64>, delta: Option<f64>) -> SlipRow {
         (angle(&above) - angle(x)) / h
     });
     let steering = if delta.is_some() { 1.0 } else { 0.0 };
-    let mut row = SlipRow { velocity, steering, offset: 0.0 };
+    let mut row = SlipRow { velocity, steering, ..SlipRow::default() };
     row.offset = angle(x) - row.angle(x, delta.unwrap_or(0.0));
     row
 }

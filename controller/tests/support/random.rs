@@ -59,7 +59,8 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
     problem.front_max = on(2, 0.05 + 0.2 * r.share());
     problem.rear_max = on(3, 0.05 + 0.2 * r.share());
     problem.slip_linear = 10.0 + 200.0 * r.share();
-    problem.speed_max = on(4, r.share());
+    let speed = on(4, r.share());
+    problem.speed_max.iter_mut().for_each(|max| *max = speed + 0.2 * r.share());
     problem.speed_linear = 1.0 + 20.0 * r.share();
     for j in 0..hull {
         problem.hull[j] = Vector6::from_fn(|_, _| r.next());
@@ -75,5 +76,7 @@ fn slip(r: &mut Random, steering: f64) -> SlipRow {
         velocity: [0.05 * r.next(), -0.5 * r.share(), -0.1 * r.share()],
         steering,
         offset: 0.05 * r.next(),
+        weight: 20.0 * r.share(),
+        reference: 0.05 * r.next(),
     }
 }

@@ -4,6 +4,7 @@ use std::ffi::{c_char, c_void};
 use std::path::PathBuf;
 use std::ptr::null_mut;
 
+use super::floating::FloatingPoint;
 use super::logger::{Callback, Logger};
 use super::pointer;
 use crate::description::Version;
@@ -26,6 +27,7 @@ pub(super) unsafe fn make<M: Model>(
     logging: bool,
     folder: impl FnOnce() -> Result<Option<PathBuf>, Fault>,
 ) -> *mut c_void {
+    let floating = FloatingPoint::ours();
     let mut shown = String::from("?");
     let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         // SAFETY: the caller's promise.
@@ -53,7 +55,8 @@ pub(super) unsafe fn make<M: Model>(
         Ok(Err(fault)) => fault.to_string(),
         Err(payload) => crate::instance::panic_text(&*payload),
     };
-    logger.send(&Message { status: Status::Error, text: format!("instantiate: {fault}") });
+    let message = Message { status: Status::Error, text: format!("instantiate: {fault}") };
+    floating.callers(|| logger.send(&message));
     null_mut()
 }
 

@@ -5,6 +5,7 @@
 //! points to as many elements as the caller says, and a string ends with a zero byte.
 #![allow(unsafe_code)]
 
+pub(crate) mod floating;
 pub mod fmi2;
 pub mod fmi3;
 mod instantiate;
@@ -17,6 +18,7 @@ pub use logger::{Logger2, Logger3};
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use self::floating::FloatingPoint;
 use crate::description::Version;
 use crate::instance::{Instance, Phase, panic_text};
 use crate::log::Message;
@@ -24,14 +26,16 @@ use crate::model::Model;
 use crate::registry;
 use crate::status::{Fault, Status};
 
-/// The guard: finds the instance, runs the call, catches panics, turns the result into a status
-/// and hands the messages to the host after the instance is free again.
+/// The guard: sets the host's floating-point state aside, finds the instance, runs the call,
+/// catches panics, turns the result into a status and hands the messages to the host after the
+/// instance is free again.
 pub(crate) fn call<M: Model>(
     handle: *mut c_void,
     version: Version,
     function: &str,
     body: impl FnOnce(&mut Instance<M>) -> Result<(), Fault>,
 ) -> i32 {
+    let floating = FloatingPoint::ours();
     let guarded = || {
         let Some(entry) = registry::find::<M>(handle.addr()) else {
             return Status::Error;
@@ -39,7 +43,8 @@ pub(crate) fn call<M: Model>(
         let Ok(mut instance) = entry.instance.try_lock() else {
             // Locked by another thread's call, or poisoned by nothing: panics are caught below.
             let text = format!("{function}: the instance is busy with another call");
-            entry.logger.send(&Message { status: Status::Error, text });
+            let message = Message { status: Status::Error, text };
+            floating.callers(|| entry.logger.send(&message));
             return Status::Error;
         };
         let status = run(&mut instance, version, function, body);
@@ -50,7 +55,7 @@ pub(crate) fn call<M: Model>(
         let filter = instance.filter.clone();
         drop(instance);
         for message in messages.iter().filter(|m| filter.passes(m.status)) {
-            entry.logger.send(message);
+            floating.callers(|| entry.logger.send(message));
         }
         status
     };
@@ -88,6 +93,7 @@ fn run<M: Model>(
 
 /// Frees an instance; unknown handles are ignored, as the standards ask for null.
 pub(crate) fn free(handle: *mut c_void) {
+    let _floating = FloatingPoint::ours();
     // A panic while dropping a model must not cross into C either.
     let _ = catch_unwind(AssertUnwindSafe(|| drop(registry::remove(handle.addr()))));
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
 use crate::description::{Description, Terminal};
-use crate::files;
+use crate::files::{self, CentreLine};
 use crate::model::{Io, Model, Step};
 use crate::schedule::Schedule;
 use crate::status::Fault;
@@ -24,16 +24,19 @@ use slots::Slots;
 
 /// The controller behind FMI: solves at every tick of its period, holds its command between.
 pub struct ControllerFmu {
-    controller: Controller,
+    /// On the heap: it is large, and a host's thread may have a small stack.
+    controller: Box<Controller>,
     /// Configuration without the tunable numbers, and those as they act.
     base: Config,
     tuned: Tuned,
     /// Period as configured; ticks times this is the time of a measurement [s].
     period: f64,
     schedule: Schedule,
-    /// Hash of fixed configuration, car and track.
+    /// Hash of the fixed configuration.
     identity: u64,
     laps: Laps,
+    /// Whether the host knows that its step does not divide the period.
+    warned: bool,
 }
 
 /// Lap times for the outputs.
@@ -49,6 +52,8 @@ struct Laps {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ControllerFmuState {
     identity: u64,
+    car: u64,
+    centre_line: CentreLine,
     ticks: i64,
     laps: Laps,
     tuned: Tuned,
@@ -107,7 +112,7 @@ impl ControllerFmu {
         let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
         let mut next = Controller::new(config, car, track).map_err(start::failed)?;
         next.resume(&self.controller.state());
-        (self.controller, self.tuned) = (next, tuned);
+        (self.controller, self.tuned) = (Box::new(next), tuned);
         Ok(())
     }
 
@@ -165,6 +170,10 @@ impl Model for ControllerFmu {
         Ok(model)
     }
 
+    fn in_force(&mut self, values: &mut Values) {
+        start::read_back(&self.controller, values);
+    }
+
     fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
         if self.schedule.too_long(step.size) {
             return Err(Fault::Discard(format!(
@@ -173,8 +182,16 @@ impl Model for ControllerFmu {
                 step.size, self.period
             )));
         }
+        if !self.warned && !self.schedule.divides(step.size) {
+            self.warned = true;
+            io.log.warn(format!(
+                "communication step of {} s does not divide the controller's period of {} s: a \
+                 command comes up to one such step after its period begins (param.period changes it)",
+                step.size, self.period
+            ));
+        }
         let tick = self.schedule.count();
-        if !self.schedule.due_before(step.end() - step.origin) {
+        if !self.schedule.due_before(step.end() - step.origin, step.size) {
             return Ok(());
         }
         self.retune(slots().settings.tuned(io.values))?;
@@ -194,6 +211,8 @@ impl Model for ControllerFmu {
     fn state(&self) -> ControllerFmuState {
         ControllerFmuState {
             identity: self.identity,
+            car: self.controller.car().fingerprint(),
+            centre_line: CentreLine::of(self.controller.track()),
             ticks: self.schedule.count(),
             laps: self.laps,
             tuned: self.tuned,
@@ -202,11 +221,18 @@ impl Model for ControllerFmu {
     }
 
     fn resume(&mut self, state: &ControllerFmuState) -> Result<(), Fault> {
-        if state.identity != self.identity {
-            return Err(Fault::Refused(
-                "the state is of another configuration, car or track than this instance's"
-                    .to_owned(),
-            ));
+        state.centre_line.require(self.controller.track())?;
+        let other = if state.car != self.controller.car().fingerprint() {
+            "car"
+        } else if state.identity != self.identity {
+            "configuration"
+        } else {
+            ""
+        };
+        if !other.is_empty() {
+            return Err(Fault::Refused(format!(
+                "the state is of another {other} than this instance's"
+            )));
         }
         self.schedule = Schedule::resumed(self.period, state.ticks)
             .ok_or_else(|| Fault::Refused("the state counts too many periods".to_owned()))?;

@@ -1,7 +1,8 @@
 //! What a study varies about the controller, as FMU parameters.
 //!
 //! A number left at its start value follows the preset or the configuration file; any other
-//! value overrides it. So a preset and one changed number need no third parameter.
+//! value overrides it. So a preset and one changed number need no third parameter. From the end of
+//! initialisation on, every number is the one in force, and a tunable one acts as it is.
 
 use controller::Config;
 
@@ -182,7 +183,28 @@ impl Settings {
         }
     }
 
-    /// The tunable numbers now.
+    /// The tunable numbers at the start: those not at their start value, else the configuration's.
+    pub(crate) fn start(&self, values: &Values, config: &Config) -> Tuned {
+        let mut tuned = self.tuned(values);
+        for (tunable, value) in TUNABLE.iter().zip(&mut tuned) {
+            let rows = self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable);
+            for ((_, start), (.., get, _)) in rows {
+                if value.to_bits() == start.to_bits() {
+                    *value = get(config);
+                }
+            }
+        }
+        tuned
+    }
+
+    /// Writes every number of the configuration into the values.
+    pub(crate) fn write(&self, config: &Config, values: &mut Values) {
+        for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
+            values.set_real(*slot, get(config));
+        }
+    }
+
+    /// The tunable numbers now, after initialisation.
     pub(crate) fn tuned(&self, values: &Values) -> Tuned {
         TUNABLE.map(|tunable| {
             let place = ROWS.iter().position(|row| row.0 == tunable);
@@ -190,14 +212,11 @@ impl Settings {
         })
     }
 
-    /// Writes every tunable number that is not at its start value into the configuration.
+    /// Writes every tunable number into the configuration.
     pub(crate) fn tune(&self, tuned: &Tuned, config: &mut Config) {
         for (tunable, value) in TUNABLE.iter().zip(tuned) {
-            let rows = self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable);
-            for ((_, start), (.., set)) in rows {
-                if value.to_bits() != start.to_bits() {
-                    set(config, *value);
-                }
+            for (.., set) in ROWS.iter().filter(|row| row.0 == *tunable) {
+                set(config, *value);
             }
         }
     }
@@ -215,14 +234,17 @@ mod tests {
         let paper = Config::preset(controller::Preset::Paper);
         let mut config = paper.clone();
         settings.apply(&values, &mut config);
-        settings.tune(&settings.tuned(&values), &mut config);
+        settings.tune(&settings.start(&values, &paper), &mut config);
         assert_eq!(config, paper);
         for ((slot, start), (.., [_, max], get, _)) in settings.numbers.iter().zip(ROWS) {
             let value = if *start == 7.0 { 8.0 } else { max.min(7.0) };
             values.set_real(*slot, value);
             settings.apply(&values, &mut config);
-            settings.tune(&settings.tuned(&values), &mut config);
+            settings.tune(&settings.start(&values, &paper), &mut config);
             assert_eq!(get(&config), value);
         }
+        let mut read_back = Values::start(&table);
+        settings.write(&config, &mut read_back);
+        assert_eq!(read_back, values);
     }
 }

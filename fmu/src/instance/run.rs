@@ -6,8 +6,8 @@ use crate::status::Fault;
 use crate::values::Values;
 
 /// Two times are the same if they differ by less than this, relative to the larger of one second
-/// and the time itself: hosts add up steps in floating point.
-const TIME_TOLERANCE: f64 = 1e-9;
+/// and the time itself: hosts add up steps in floating point, some in single precision.
+const TIME_TOLERANCE: f64 = f32::EPSILON as f64;
 
 fn tolerance(time: f64) -> f64 {
     TIME_TOLERANCE * time.abs().max(1.0)
@@ -45,6 +45,9 @@ impl<M: Model> Instance<M> {
     pub(crate) fn exit_initialization(&mut self, function: &str) -> Result<(), Fault> {
         self.allow(function, &[Phase::Initialization])?;
         self.ensure_model()?;
+        if let Some(model) = self.model.as_mut() {
+            model.in_force(&mut self.core.values);
+        }
         self.core.phase = Phase::Stepping;
         Ok(())
     }

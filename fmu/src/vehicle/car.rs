@@ -1,4 +1,6 @@
 //! The car's parameters as FMU variables.
+//!
+//! A value left at its start value follows the chosen car; any other value overrides it.
 
 use vehicle_model::CarParams;
 
@@ -147,9 +149,10 @@ const ROWS: &[Row] = &[
 /// Where the car's parameters are in the table.
 #[derive(Debug)]
 pub(crate) struct CarSlots {
-    numbers: Vec<Real>,
-    front_force_yaw: Boolean,
-    combined_slip: Boolean,
+    /// With their start values.
+    numbers: Vec<(Real, f64)>,
+    front_force_yaw: (Boolean, bool),
+    combined_slip: (Boolean, bool),
 }
 
 impl CarSlots {
@@ -157,18 +160,19 @@ impl CarSlots {
     pub(crate) fn new(table: &mut Table, start: Option<&CarParams>) -> Self {
         let numbers = ROWS.iter().map(|(name, unit, text, range, get, _)| {
             let name = format!("car.{name}");
-            let variable =
-                Variable::real(&name, Role::Fixed, *unit, text).start(start.map_or(0.0, get));
-            table.add_real(match range {
+            let start = start.map_or(0.0, get);
+            let variable = Variable::real(&name, Role::Fixed, *unit, text).start(start);
+            let slot = table.add_real(match range {
                 Range::NotNegative => variable.at_least(0.0),
                 Range::Share => variable.range(0.0, 1.0),
                 Range::Any => variable,
-            })
+            });
+            (slot, start)
         });
         let numbers = numbers.collect();
         let mut switch = |name: &str, on: bool, text: &str| {
             let variable = Variable::boolean(name, Role::Fixed, text);
-            table.add_boolean(variable.start(f64::from(u8::from(on))))
+            (table.add_boolean(variable.start(f64::from(u8::from(on)))), on)
         };
         let front_force_yaw = switch(
             "car.front_force_yaw",
@@ -183,15 +187,31 @@ impl CarSlots {
         Self { numbers, front_force_yaw, combined_slip }
     }
 
-    /// The car the parameters describe; what they do not name is as in `start`.
-    pub(crate) fn read(&self, values: &Values, start: &CarParams) -> CarParams {
-        let mut car = start.clone();
-        for (slot, (.., set)) in self.numbers.iter().zip(ROWS) {
-            set(&mut car, values.real(*slot));
+    /// The chosen car with every value that is not at its start value.
+    pub(crate) fn read(&self, values: &Values, chosen: &CarParams) -> CarParams {
+        let mut car = chosen.clone();
+        for ((slot, start), (.., set)) in self.numbers.iter().zip(ROWS) {
+            let value = values.real(*slot);
+            if value.to_bits() != start.to_bits() {
+                set(&mut car, value);
+            }
         }
-        car.front_force_yaw = values.boolean(self.front_force_yaw);
-        car.combined_slip = values.boolean(self.combined_slip);
+        let switched = |(slot, start): (Boolean, bool), chosen: bool| {
+            let value = values.boolean(slot);
+            if value == start { chosen } else { value }
+        };
+        car.front_force_yaw = switched(self.front_force_yaw, car.front_force_yaw);
+        car.combined_slip = switched(self.combined_slip, car.combined_slip);
         car
+    }
+
+    /// Writes the car into the values.
+    pub(crate) fn write(&self, car: &CarParams, values: &mut Values) {
+        for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
+            values.set_real(*slot, get(car));
+        }
+        values.set_boolean(self.front_force_yaw.0, car.front_force_yaw);
+        values.set_boolean(self.combined_slip.0, car.combined_slip);
     }
 }
 
@@ -203,10 +223,17 @@ mod tests {
     fn every_shipped_car_survives_the_way_through_the_table() {
         for name in CarParams::builtin_names() {
             let car = CarParams::builtin(name).unwrap();
+            let barc = CarParams::builtin("barc").unwrap();
             let mut table = Table::new();
-            let slots = CarSlots::new(&mut table, Some(&car));
-            let read = slots.read(&Values::start(&table), &CarParams::builtin("barc").unwrap());
-            assert_eq!(read.fingerprint(), car.fingerprint(), "{name}");
+            let slots = CarSlots::new(&mut table, Some(&barc));
+            let mut values = Values::start(&table);
+            slots.write(&car, &mut values);
+            for chosen in [&barc, &car] {
+                let read = slots.read(&values, chosen);
+                // The name is no number.
+                let read = CarParams { name: car.name.clone(), ..read };
+                assert_eq!(read.fingerprint(), car.fingerprint(), "{name}");
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{GripChange, Input, Plant, PlantParams, PlantState, SensorNoise, State};
 
 use crate::description::{Description, Terminal};
-use crate::files;
+use crate::files::{self, CentreLine};
 use crate::model::{Io, Model, Step};
 use crate::status::Fault;
 use crate::table::{Real, Table};
@@ -25,13 +25,15 @@ pub struct VehicleFmu {
     grip: [f64; 2],
     /// Measurement at the end of the last step: noise is drawn once per step, not per read.
     measured: State,
+    /// Whether the host knows that a command was beyond the car's limits.
+    warned: bool,
 }
 
 /// What changes while a vehicle runs, and the fingerprints of what does not.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VehicleState {
     car: u64,
-    track: u64,
+    centre_line: CentreLine,
     plant: PlantState,
     grip: [f64; 2],
     measured: State,
@@ -72,10 +74,11 @@ impl VehicleFmu {
     /// The plant the parameters describe, at its start.
     fn build(io: &Io<'_>) -> Result<Self, Fault> {
         let (slots, values) = (slots(), &*io.values);
-        let car = match values.text(slots.car_name) {
-            "" => slots.car.read(values, &files::car(io, files::CAR)?),
-            name => files::car(io, name)?,
+        let name = match values.text(slots.car_name) {
+            "" => files::CAR,
+            name => name,
         };
+        let car = slots.car.read(values, &files::car(io, name)?);
         let mut params = PlantParams::new(car);
         params.substep = values.real(slots.substep);
         let [v_x, v_y, omega_z, e_psi, s, e_y] = array(values, &slots.noise);
@@ -91,7 +94,7 @@ impl VehicleFmu {
         let initial = State { v_x, v_y, omega_z, e_psi, s, e_y };
         let track = files::track(io, values.text(slots.track))?;
         let plant = Plant::new(params, track, initial).map_err(|e| Fault::Failed(e.to_string()))?;
-        Ok(Self { plant, grip, measured: initial })
+        Ok(Self { plant, grip, measured: initial, warned: false })
     }
 
     /// Grip may change while stepping; everything else of the plant stays.
@@ -112,6 +115,26 @@ impl VehicleFmu {
         plant.restore(state);
         (self.plant, self.grip) = (plant, grip);
         Ok(())
+    }
+
+    /// Warns once of a command beyond the car's limits, which is cut; not of a rounding error.
+    fn check_command(&mut self, io: &mut Io<'_>, [a, delta]: [f64; 2], step: &Step) {
+        let car = &self.plant.params().car;
+        let ranges = [
+            ("cmd.a", a, [car.a_min, car.a_max], "m/s2"),
+            ("cmd.delta", delta, [-car.delta_max, car.delta_max], "rad"),
+        ];
+        for (name, value, [min, max], unit) in ranges {
+            let slack = 1e-6 * (max - min);
+            if !self.warned && !(min - slack..=max + slack).contains(&value) {
+                self.warned = true;
+                io.log.warn(format!(
+                    "at {} s: {name} = {value} {unit} is outside the car's range of {min} to {max} \
+                     {unit} and is cut to it; later ones are cut without a word",
+                    step.begin
+                ));
+            }
+        }
     }
 
     fn publish(&self, values: &mut Values) {
@@ -161,9 +184,14 @@ impl Model for VehicleFmu {
         Ok(model)
     }
 
+    fn in_force(&mut self, values: &mut Values) {
+        slots().car.write(&self.plant.params().car, values);
+    }
+
     fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
         self.retune(io.values)?;
         let [a, delta] = array(io.values, &slots().command);
+        self.check_command(io, [a, delta], step);
         self.plant.apply(Input { a, delta }, step.size);
         if !self.plant.truth().is_finite() {
             return Err(Fault::Failed(format!(
@@ -181,7 +209,7 @@ impl Model for VehicleFmu {
     fn state(&self) -> VehicleState {
         VehicleState {
             car: self.plant.params().car.fingerprint(),
-            track: self.plant.track().fingerprint(),
+            centre_line: CentreLine::of(self.plant.track()),
             plant: self.plant.state().clone(),
             grip: self.grip,
             measured: self.measured,
@@ -189,20 +217,17 @@ impl Model for VehicleFmu {
     }
 
     fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
-        let (car, track) =
-            (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
-        let other = if state.car != car {
-            "car"
-        } else if state.track != track {
-            "track"
-        } else {
-            // The grip of the last step; a later change in the values acts in the next one.
-            self.set_grip(state.grip)?;
-            self.plant.restore(state.plant.clone());
-            self.measured = state.measured;
-            return Ok(());
-        };
-        Err(Fault::Refused(format!("the {other} file holds another {other} than when saved")))
+        state.centre_line.require(self.plant.track())?;
+        if state.car != self.plant.params().car.fingerprint() {
+            return Err(Fault::Refused(
+                "the car file holds another car than when saved".to_owned(),
+            ));
+        }
+        // The grip of the last step; a later change in the values acts in the next one.
+        self.set_grip(state.grip)?;
+        self.plant.restore(state.plant.clone());
+        self.measured = state.measured;
+        Ok(())
     }
 
     fn save(state: &VehicleState) -> Result<Vec<u8>, Fault> {

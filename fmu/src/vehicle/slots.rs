@@ -1,6 +1,6 @@
 //! The vehicle's variables.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use vehicle_model::CarParams;
 
@@ -83,20 +83,22 @@ impl Slots {
     pub(crate) fn new(t: &mut Table) -> Self {
         // The shipped car always reads; were it broken, all would be 0 and refused at the start.
         let car = CarParams::builtin(CAR).ok();
-        let limit = |get: fn(&CarParams) -> f64| car.as_ref().map_or(0.0, get);
+        // A description serves every car, so no car's limits bound the inputs in it.
         let command = [
-            t.add_real(
-                Variable::real("cmd.a", Role::Input, unit::M_PER_S2, "Commanded acceleration")
-                    .range(limit(|c| c.a_min), limit(|c| c.a_max)),
+            t.real(
+                "cmd.a",
+                Role::Input,
+                unit::M_PER_S2,
+                "Commanded acceleration, cut to car.a_min and car.a_max",
             ),
             t.add_real(
                 Variable::real(
                     "cmd.delta",
                     Role::Input,
                     unit::RAD,
-                    "Commanded steering, left positive",
+                    "Commanded steering, left positive, cut to car.delta_max on each side",
                 )
-                .range(-limit(|c| c.delta_max), limit(|c| c.delta_max)),
+                .range(-FRAC_PI_2, FRAC_PI_2),
             ),
         ];
         let track = t.add_text(Variable::text(
@@ -109,7 +111,7 @@ impl Slots {
             "param.car",
             Role::Fixed,
             "",
-            "Car: a name that ships (barc, iac, kart, mini) or a file; empty: the car.* values",
+            "Car: a name that ships (barc, iac, kart, mini, f1tenth, formula_student, road) or a file; empty: barc; car.* override it",
         ));
         let substep = t.add_real(
             Variable::real("param.substep", Role::Fixed, unit::S, "Longest integration step")

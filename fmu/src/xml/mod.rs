@@ -5,7 +5,7 @@ pub(crate) mod fmi3;
 pub(crate) mod terminals;
 mod writer;
 
-pub(crate) use writer::{Xml, number};
+pub(crate) use writer::{Attribute, Xml, number};
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::unit::Unit;
 use crate::variable::Role;
 
 /// Units used by the table, by name.
-fn units(description: &Description) -> BTreeMap<&'static str, Unit> {
+pub(crate) fn units(description: &Description) -> BTreeMap<&'static str, Unit> {
     let variables = description.table.variables().iter();
     variables.filter_map(|v| v.unit).map(|u| (u.name, u)).collect()
 }
@@ -23,20 +23,25 @@ fn units(description: &Description) -> BTreeMap<&'static str, Unit> {
 fn unit_definitions(xml: &mut Xml, description: &Description) {
     xml.open("UnitDefinitions", &[]);
     for unit in units(description).values() {
-        xml.open("Unit", &[("name", unit.name.to_owned())]);
-        let mut attributes = Vec::new();
-        for (name, exponent) in [("kg", unit.kg), ("m", unit.m), ("s", unit.s), ("rad", unit.rad)] {
-            if exponent != 0 {
-                attributes.push((name, exponent.to_string()));
-            }
-        }
-        if unit.factor != 1.0 {
-            attributes.push(("factor", number(unit.factor)));
-        }
-        xml.leaf("BaseUnit", &attributes);
-        xml.close("Unit");
+        unit_definition(xml, unit, ["Unit", "BaseUnit"]);
     }
     xml.close("UnitDefinitions");
+}
+
+/// One unit; `names` are those of its element and of the one within.
+pub(crate) fn unit_definition(xml: &mut Xml, unit: &Unit, names: [&str; 2]) {
+    xml.open(names[0], &[("name", unit.name.to_owned())]);
+    let mut attributes = Vec::new();
+    for (name, exponent) in [("kg", unit.kg), ("m", unit.m), ("s", unit.s), ("rad", unit.rad)] {
+        if exponent != 0 {
+            attributes.push((name, exponent.to_string()));
+        }
+    }
+    if unit.factor != 1.0 {
+        attributes.push(("factor", number(unit.factor)));
+    }
+    xml.leaf(names[1], &attributes);
+    xml.close(names[0]);
 }
 
 fn log_categories(xml: &mut Xml) {

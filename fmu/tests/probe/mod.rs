@@ -131,7 +131,7 @@ impl Model for Probe {
         if io.values.integer(slots.fail) == 4 {
             return Ok(());
         }
-        if self.schedule.due_before(step.end() - step.origin) {
+        if self.schedule.due_before(step.end() - step.origin, step.size) {
             let u = io.values.real(slots.u);
             self.x += PERIOD * io.values.real(slots.gain) * u;
             Arc::make_mut(&mut self.samples).push(u);

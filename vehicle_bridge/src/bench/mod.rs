@@ -10,8 +10,9 @@ mod samples;
 mod step;
 mod table;
 
-use controller::{Config, ConfigError};
+use controller::{Config, ConfigError, Preset};
 use serde::Serialize;
+use vehicle_model::{CarParams, Track};
 
 pub use circuit::Circuit;
 pub use qp::QpTimes;
@@ -100,7 +101,14 @@ pub fn cases() -> Result<[Case; 4], ConfigError> {
         config.regression.laps = searched;
         Case { name, car: "barc", track: "l", config, long: false }
     };
-    let mut iac = Config::from_toml(Config::of_car("iac").unwrap_or_default())?;
+    let (car, track) = (CarParams::builtin("iac"), Track::builtin("road_course"));
+    let mut iac = match (&car, &track) {
+        (Ok(car), Some(track)) => Config::derived(Preset::Race, car, track),
+        _ => Config::default(),
+    };
+    // The largest problem that is measured: six seconds ahead, 96 points.
+    iac.horizon.steps = 60;
+    iac.safe_set.neighbors = 32;
     iac.regression.laps = 0;
     Ok([
         barc("barc, 4 laps searched", 10, 10, 4),

@@ -23,7 +23,7 @@ pub enum FmuAction {
 
 const PACK_EXAMPLES: &str = "\
 Example:
-  tools/fmu.sh --windows && lmpc fmu pack target/fmu/lib
+  tools/fmu.sh && lmpc fmu pack target/fmu/lib
 
 LIBRARIES has one folder for each platform, named by the compiler's target:
 x86_64-unknown-linux-gnu, x86_64-pc-windows-gnu, aarch64-unknown-linux-gnu.";

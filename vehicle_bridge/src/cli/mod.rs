@@ -6,6 +6,7 @@ mod fmu;
 mod hil;
 mod network;
 mod operator;
+mod optimum;
 mod race;
 mod study;
 mod top;
@@ -24,8 +25,9 @@ pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
+pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, RaceArgs};
-pub use study::{StudyArgs, StudyName};
+pub use study::{PaperStudyArgs, Study, StudyArgs, StudyName, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
@@ -59,8 +61,10 @@ pub struct Cli {
 pub enum Command {
     /// Race a simulated car faster than real time: it learns lap after lap
     Race(Box<RaceArgs>),
-    /// Repeat a study of the paper over many seeds
+    /// Race many cars, tracks and seeds, or repeat a study of the paper
     Study(Box<StudyArgs>),
+    /// Find the time-optimal lap of a car on a track
+    Optimum(OptimumArgs),
     /// Serve the controller on an LCM network
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network

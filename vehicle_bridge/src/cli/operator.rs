@@ -47,6 +47,9 @@ pub struct BridgeArgs {
     #[arg(long, default_value_t = 100, value_name = "MS",
           value_parser = clap::value_parser!(u32).range(20..=1000))]
     pub timeout_ms: u32,
+    /// Panic after this long in RUNNING, for the bench
+    #[arg(long, hide = true, value_name = "S")]
+    pub bench_panic_s: Option<f64>,
     /// FIFO priority and locked memory, where the system grants them
     #[arg(long)]
     pub realtime: bool,
@@ -84,6 +87,9 @@ pub enum OperatorOrder {
         /// Though the car moves
         #[arg(long)]
         moving: bool,
+        /// Boot id of the controller to arm, where several are live
+        #[arg(long, value_name = "ID")]
+        controller: Option<i64>,
     },
     /// Take the grant away; a driving car stops safely
     Disarm,

@@ -66,6 +66,12 @@ pub struct RaceArgs {
     /// Folder for laps.csv, trajectory.csv, timings.csv and report.html
     #[arg(long, default_value = "out/race", value_name = "DIR")]
     pub out: PathBuf,
+    /// Find the time-optimal lap if none is kept, to measure the race against
+    #[arg(long)]
+    pub optimum: bool,
+    /// Folder of kept time-optimal laps; by default that of the track's file, or out/optimum
+    #[arg(long, value_name = "DIR")]
+    pub store: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,

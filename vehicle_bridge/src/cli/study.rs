@@ -2,24 +2,136 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand};
+use vehicle_model::Track;
+
+use super::race::PresetName;
 
 const EXAMPLES: &str = "\
 Examples:
   lmpc study crc --seeds 10          Table I: error and full regression over five rate costs
   lmpc study bandwidth --seeds 10    the figure over the bandwidth h, kinematic nominal model
   lmpc study hardware                Table II, with a plant that differs from the model
+  lmpc study tracks --car iac --track circuits/ --seeds 5    which tracks a car stays on";
 
+const PAPER: &str = "\
 A study that is interrupted goes on where it stopped when it is started again with the same
 options. It writes runs.csv, laps.csv and report.html.";
 
+const TRACKS: &str = "\
+Examples:
+  lmpc study tracks --car barc kart --track l road_course --seeds 5
+  lmpc study tracks --car iac my_car.toml --track circuits/ --plant none --plant noise=0.001
+  lmpc study tracks --car iac --track circuits/ --optimum optima.csv --out out/iac
+  lmpc study tracks --car iac --track circuits/ --out out/iac --resume
+  lmpc study tracks --car barc iac kart --random 200 --seeds 1
+
+Drives every car on every track with every plant and every seed. A run fails when any part of the
+car's body leaves the track, when the car spins, turns round or stands still, or when a lap takes
+too long. Each finished run is one line of runs.csv at once; --resume runs what is missing there.
+Failed runs leave their last steps in failures/. matrix.html shows all cells, failed ones first.
+Exit code 3 if any run failed.";
+
 /// Options of `lmpc study`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, subcommand_required = true, arg_required_else_help = true)]
 pub struct StudyArgs {
-    /// Which study
-    #[arg(value_enum)]
-    pub name: StudyName,
+    /// Which study.
+    #[command(subcommand)]
+    pub study: Study,
+}
+
+/// The studies.
+#[derive(Debug, Subcommand)]
+pub enum Study {
+    /// Table I of the paper: cost of the control rate
+    #[command(after_help = PAPER)]
+    Crc(PaperStudyArgs),
+    /// Bandwidth of the regression's kernel
+    #[command(after_help = PAPER)]
+    Bandwidth(PaperStudyArgs),
+    /// Table II of the paper: the tenth-scale car, emulated
+    #[command(after_help = PAPER)]
+    Hardware(PaperStudyArgs),
+    /// Which cars stay on which tracks
+    #[command(after_help = TRACKS)]
+    Tracks(Box<TracksStudyArgs>),
+}
+
+/// Options of `lmpc study tracks`.
+#[derive(Debug, Args)]
+pub struct TracksStudyArgs {
+    /// Cars: names or files
+    #[arg(long, num_args = 1.., default_value = "barc", value_name = "NAME|FILE")]
+    pub car: Vec<String>,
+    /// Tracks: names, files, or folders of track files; by default those that ship with lmpc,
+    /// unless there are generated ones
+    #[arg(long, num_args = 1.., value_name = "NAME|FILE|FOLDER")]
+    pub track: Vec<String>,
+    /// Generated tracks for each car, at its scale
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub random: Option<u32>,
+    /// Seed of the first generated track; the others follow
+    #[arg(long, default_value_t = 0, value_name = "SEED", requires = "random")]
+    pub random_seed: u64,
+    /// Changes of the simulated car as in `lmpc race`, one plant for each time the option is
+    /// given; `none` is the car as it is
+    #[arg(long, value_name = "NAME=VALUE,..")]
+    pub plant: Vec<String>,
+    /// Seeds of each cell
+    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub seeds: u32,
+    /// Laps to drive after the warm-up laps
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub laps: u32,
+    /// Configuration file; its keys override the preset it names
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Named set of settings
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub preset: Option<PresetName>,
+    /// Set any key of the configuration in every run; may be repeated
+    #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Grip the controllers believe in; by default as in `lmpc race`
+    #[arg(long, value_name = "MU")]
+    pub nominal_mu: Option<f64>,
+    /// Known time-optimal laps: a table car,track,seconds (CSV), laps kept by `lmpc optimum`, or
+    /// a folder of such files
+    #[arg(long, value_name = "FILE|FOLDER")]
+    pub optimum: Option<PathBuf>,
+    /// Judge the centre of gravity alone, as the paper's studies do
+    #[arg(long)]
+    pub centre_of_gravity: bool,
+    /// Runs at the same time; by default one for each processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: Option<u32>,
+    /// Keep the runs of an earlier start with the same settings, and run the others
+    #[arg(long)]
+    pub resume: bool,
+    /// Folder for the results
+    #[arg(long, default_value = "out/study-tracks", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl TracksStudyArgs {
+    /// The tracks asked for; without any and without generated ones, those that ship with the
+    /// product.
+    #[must_use]
+    pub fn track_names(&self) -> Vec<String> {
+        if self.track.is_empty() && self.random.is_none() {
+            return Track::builtin_names().map(str::to_owned).collect();
+        }
+        self.track.clone()
+    }
+}
+
+/// Options of a study of the paper.
+#[derive(Debug, Args)]
+pub struct PaperStudyArgs {
     /// Seeds of each cell
     #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub seeds: u32,
@@ -44,7 +156,7 @@ pub struct StudyArgs {
 }
 
 /// The studies of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StudyName {
     /// Table I: cost of the control rate.
     Crc,

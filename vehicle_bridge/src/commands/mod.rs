@@ -8,11 +8,13 @@ mod fmu;
 mod hil;
 mod network;
 mod operator;
+mod optimum;
 mod race;
 mod race_table;
 mod seeds;
 mod setup;
 mod study;
+mod study_tracks;
 mod top;
 mod track;
 mod track_page;
@@ -56,6 +58,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     match cli.command {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
+        Command::Optimum(args) => optimum::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
             Vehicle::Sim(args) => network::sim(&args, None, talk),

@@ -8,21 +8,25 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use controller::Controller;
+use controller::{Config, Controller};
 use lcm_types::channels;
-use vehicle_model::{Plant, PlantParams, State};
+use vehicle_model::{Plant, PlantParams, State, Track};
 
 use super::{Outcome, setup, vehicle};
-use crate::cli::{CarArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs};
+use crate::cli::{
+    CarArgs, ControllerArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs,
+};
 use crate::console::{Talk, WARN, paint, result};
 use crate::network::car::{Car, CarOptions, Drive};
 use crate::network::mapped_car::MappedCar;
 use crate::network::record::Log;
 use crate::network::service::{Service, ServiceOptions};
 use crate::network::store::Store;
-use crate::network::{map_file, realtime, record, replay};
+use crate::network::{convert, map_file, realtime, record, replay};
 use crate::race::words::kind_word;
 use crate::race::{FailureRule, learned, load};
+use crate::safety::Setup;
+use crate::shutdown::{self, Shutdown};
 use crate::transport::{self, ThreadStart, Transport};
 use crate::vehicle::Vehicle;
 
@@ -57,6 +61,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         wait_for_start: args.wait_for_start,
         valid_for: args.valid_for_ms.map_or(VALID_PERIODS * period, |ms| f64::from(ms) * 1e-3),
         notes,
+        setup: setup_message(&args.controller, &controller)?,
         log,
         overrun: args.bench_overrun,
     };
@@ -117,7 +122,7 @@ pub(super) fn sim(
             Box::new(Plant::new(params, Arc::clone(&options.track), start)?)
         }
     };
-    let rule = FailureRule::new(config, &options.track);
+    let rule = FailureRule::new(config, &options.track, vehicle.car(), options.limit);
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
@@ -156,9 +161,9 @@ pub(super) fn car(args: &CarArgs, talk: Talk) -> Result<Outcome> {
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
     }
-    let stop = on_signal()?;
+    let shutdown = Shutdown::on_signals()?;
     talk.say("bridging; Ctrl-C stops the car and ends");
-    let bridged = MappedCar::new(mapping, car, &network)?.run(&stop)?;
+    let bridged = MappedCar::new(mapping, car, &network)?.run(shutdown.flag())?;
     let (source, commands) = (bridged.source, bridged.commands);
     talk.say(&format!(
         "car: {} states, {} messages bad, {} old, {} incomplete; controller: {} commands, {} bad, \
@@ -271,10 +276,37 @@ pub(super) fn real_time(wanted: bool) -> Vec<String> {
         .collect()
 }
 
-/// Set by Ctrl-C or a request to end; a second one ends at once.
+/// The controller's setup, for the bridge to compare.
+fn setup_message(args: &ControllerArgs, controller: &Controller) -> Result<lcm_types::Setup> {
+    let setup = comparable(args, controller.config(), controller.track())?;
+    let (track, car) = (controller.track().name().to_owned(), args.car.clone());
+    let Setup { track_id, car_id, config_id, period_ns } = setup;
+    Ok(lcm_types::Setup {
+        track_id,
+        car_id,
+        config_id,
+        period_ns,
+        track,
+        car,
+        ..Default::default()
+    })
+}
+
+/// What both ends must have in common, from the command line of either. The car is that of `--car`:
+/// what `--plant` and `--nominal-mu` change are differences on purpose.
+pub(super) fn comparable(args: &ControllerArgs, config: &Config, track: &Track) -> Result<Setup> {
+    Ok(Setup {
+        track_id: convert::track_id(track),
+        car_id: convert::car_id(&load::car(&args.car)?),
+        config_id: convert::config_id(config),
+        period_ns: convert::nanoseconds(config.horizon.period),
+    })
+}
+
+/// Set by a request to end; a second one ends at once. A terminal that is lost is one.
 pub(super) fn on_signal() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+    for signal in shutdown::SIGNALS {
         signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&stop))?;
         signal_hook::flag::register(signal, Arc::clone(&stop))?;
     }

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use lcm_types::OperatorCommand;
 use vehicle_model::{Plant, PlantParams, State};
 
-use super::network::{connect, logged, on_signal, real_time};
+use super::network::{comparable, connect, logged, on_signal, real_time};
 use super::{Outcome, setup, vehicle};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
@@ -21,6 +21,7 @@ use crate::network::{convert, map_file};
 use crate::race::RaceOptions;
 use crate::safety::{Lapse, Phase, Rules};
 use crate::settings::Usage;
+use crate::shutdown::Shutdown;
 use crate::transport::Transport;
 
 /// Runs the bridge until Ctrl-C.
@@ -28,9 +29,11 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0)?;
     let period_ns = convert::nanoseconds(options.config.horizon.period);
     let mut rules = Rules::new(&options.plant.car, &options.track, period_ns);
+    rules.setup = comparable(&args.controller, &options.config, &options.track)?;
     rules.timeout_ns = i64::from(args.timeout_ms) * 1_000_000;
     check(args)?;
     let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let bare = Arc::clone(&network);
     let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
     let tick = Duration::from_nanos(rules.tick_ns.unsigned_abs());
@@ -44,14 +47,22 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
     }
-    let stop = on_signal()?;
-    talk.say(&format!("bridging ({}); Ctrl-C ends", args.vehicle));
-    let mut bridge = Bridge::new(rules, side, notes, &network)?.with_log(log);
-    let bridged = bridge.run(&stop, &mut |phase, lapse| {
+    let shutdown = Shutdown::on_signals()?;
+    talk.say(&format!(
+        "bridging ({}); Ctrl-C stops the car and ends, a second one ends at once",
+        args.vehicle
+    ));
+    let panic_after = args.bench_panic_s.map(Duration::from_secs_f64);
+    let bridge = Bridge::new(rules, side, notes, &network)?.watching(&bare)?;
+    let mut bridge = bridge.with_log(log).with_panic(panic_after);
+    let bridged = bridge.run(&shutdown, &mut |phase, lapse| {
         let why = if lapse == Lapse::None { String::new() } else { format!(" ({lapse})") };
         talk.say(&format!("{}{why}", phase.name()));
     });
     let c = bridged.commands;
+    if bridged.moving {
+        complain("the car was not known to stand when the bridge ended");
+    }
     talk.say(&format!(
         "{} ticks, {} missed, latest by {:.1} ms; commands: {} obeyed, {} bad, {} old or not \
          granted, {} stale, {} lost; {} inputs limited, {} stops",
@@ -66,6 +77,9 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
         c.limited,
         c.stops
     ));
+    if bridged.panics > 0 {
+        bail!("the bridge panicked (see above); the car was stopped first");
+    }
     Ok(Outcome::Done)
 }
 
@@ -112,7 +126,9 @@ fn side(
 pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
     let mut held = false;
     let (command, value, arm_token) = match args.order {
-        OperatorOrder::Arm { moving } => (OperatorCommand::ARM, f64::from(u8::from(moving)), 0),
+        OperatorOrder::Arm { moving, controller } => {
+            (OperatorCommand::ARM, f64::from(u8::from(moving)), controller.unwrap_or(0))
+        }
         OperatorOrder::Disarm => (OperatorCommand::DISARM, 0.0, 0),
         OperatorOrder::Start { token, deadman } => {
             held = deadman;

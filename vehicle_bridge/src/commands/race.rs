@@ -7,9 +7,10 @@ use anyhow::{Context as _, Result};
 use serde_json::json;
 
 use super::race_table::{LapTable, head};
-use super::{Outcome, seeds, setup, vehicle};
+use super::{Outcome, optimum, seeds, setup, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
+use crate::optimal::{Known, Store};
 use crate::race::record::{StepRow, is_fallback};
 use crate::race::words::{action_word, kind_word, mode_word, model_word, reason_word};
 use crate::race::{Race, RaceOptions, files, learned};
@@ -18,8 +19,10 @@ use crate::report::{Report, best_lap};
 /// Races once, or over several seeds.
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut options = setup::race(&args.controller, args.laps)?;
+    let known = known(args, &options, talk)?;
+    let known = known.as_ref();
     if let Some(count) = args.seeds {
-        return seeds::run(args, &options, count, talk);
+        return seeds::run(args, &options, count, known, talk);
     }
     options.seed = args.seed;
     options.config.warm_up.seed = args.seed;
@@ -37,15 +40,15 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         ));
     }
     drive(&mut race, args.json, talk)?;
-    write(&args.out, &race, &options, &lead)?;
+    write(&args.out, &race, &options, &lead, known)?;
     if let Some(path) = &args.save {
         learned::save(path, race.controller())?;
         talk.say(&format!("learned data saved to {}", path.display()));
     }
     if args.json {
-        result(&serde_json::to_string_pretty(&summary(&race, &args.out))?)?;
+        result(&serde_json::to_string_pretty(&summary(&race, &args.out, known))?)?;
     } else {
-        for line in account(&race) {
+        for line in account(&race, known) {
             result(&line)?;
         }
         result(&format!("report: {}", args.out.join("report.html").display()))?;
@@ -94,7 +97,13 @@ pub(super) fn lead(options: &RaceOptions) -> String {
 }
 
 /// Writes every file of a race.
-pub(super) fn write(out: &Path, race: &Race, options: &RaceOptions, lead: &str) -> Result<()> {
+pub(super) fn write(
+    out: &Path,
+    race: &Race,
+    options: &RaceOptions,
+    lead: &str,
+    optimum: Option<&Known>,
+) -> Result<()> {
     let at = |name: &str| out.join(name);
     let failed = |name: &str| format!("cannot write {}", at(name).display());
     files::write_laps(&at("laps.csv"), &race.laps).with_context(|| failed("laps.csv"))?;
@@ -110,17 +119,36 @@ pub(super) fn write(out: &Path, race: &Race, options: &RaceOptions, lead: &str) 
         laps: &race.laps,
         steps: &race.steps,
         times: &race.times,
+        optimum,
         failure: race.failure.as_ref(),
     };
     fs::write(at("report.html"), report.html()).with_context(|| failed("report.html"))
 }
 
+/// The time-optimal lap to measure against: a kept one, or one found now if that is asked for.
+fn known(args: &RaceArgs, options: &RaceOptions, talk: Talk) -> Result<Option<Known>> {
+    let (car, track) = (&options.plant.car, &options.track);
+    let margin = options.config.limits.lane_margin;
+    let store = Store::of(&args.controller.track, args.store.as_deref());
+    let kept = store.find(car, track, margin);
+    if kept.is_some() || !args.optimum {
+        return Ok(kept);
+    }
+    talk.say(&format!("seeking the time-optimal lap, {margin} m from the edges"));
+    let lap = optimum::solve(car, track, &::optimum::Options::new(margin), talk)?;
+    store.save(car, track, margin, &lap)?;
+    Ok(Some(Known::new(car, track, margin, &lap)))
+}
+
 /// How the race went, in words.
-fn account(race: &Race) -> Vec<String> {
+fn account(race: &Race, known: Option<&Known>) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(best) = best_lap(&race.laps) {
         let text = format!("best lap {:.3} s (lap {})", best.result.lap_time, best.result.lap);
         lines.push(paint(BEST, &text));
+        if let Some(known) = known {
+            lines.push(measured(best.result.lap_time, known));
+        }
     }
     if let Some(failure) = &race.failure {
         lines.push(paint(BAD, &format!("failed: {failure}")));
@@ -132,6 +160,12 @@ fn account(race: &Race) -> Vec<String> {
         lines.push(paint(SOFT, "no learning lap was finished"));
     }
     lines
+}
+
+/// A lap time against the time-optimal one.
+pub(super) fn measured(lap_time: f64, known: &Known) -> String {
+    let ratio = lap_time / known.lap_time_s;
+    format!("{ratio:.3} times the time-optimal {:.3} s", known.lap_time_s)
 }
 
 /// Fallbacks by action and reason.
@@ -150,7 +184,7 @@ pub(super) fn outcome(race: &Race) -> Outcome {
     if race.failure.is_some() || fell_back { Outcome::Degraded } else { Outcome::Done }
 }
 
-fn summary(race: &Race, out: &Path) -> serde_json::Value {
+fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value {
     let laps: Vec<_> = race
         .laps
         .iter()
@@ -163,6 +197,7 @@ fn summary(race: &Race, out: &Path) -> serde_json::Value {
                 "valid": lap.result.valid,
                 "v_max_mps": lap.v_max,
                 "e_y_max_m": lap.e_y_max,
+                "overhang_max_m": lap.overhang_max,
                 "fallbacks": lap.fallbacks,
                 "clipped": lap.clipped,
             })
@@ -173,14 +208,18 @@ fn summary(race: &Race, out: &Path) -> serde_json::Value {
             "reason": f.reason.as_str(),
             "iteration": f.iteration,
             "time_s": f.time,
-            "s_m": f.s,
-            "e_y_m": f.e_y,
+            "s_m": f.x.s,
+            "e_y_m": f.x.e_y,
+            "v_x_mps": f.x.v_x,
+            "e_psi_rad": f.x.e_psi,
+            "beyond_m": f.beyond,
             "message": f.to_string(),
         })
     });
     json!({
         "laps": laps,
         "best_lap_s": best_lap(&race.laps).map(|lap| lap.result.lap_time),
+        "optimum_s": known.map(|known| known.lap_time_s),
         "failure": failure,
         "fallbacks": fallbacks(&race.steps),
         "grip": race.controller().grip(),

@@ -6,10 +6,11 @@ use anyhow::{Context as _, Result};
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use serde_json::json;
 
-use super::race::{lead, outcome, write};
+use super::race::{lead, measured, outcome, write};
 use super::{Outcome, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, GOOD, Talk, paint, result};
+use crate::optimal::Known;
 use crate::parallel::{parallel, threads};
 use crate::race::record::{is_fallback, median};
 use crate::race::{Race, RaceOptions};
@@ -30,7 +31,13 @@ struct Seed {
 }
 
 /// Races every seed and sums up.
-pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -> Result<Outcome> {
+pub(super) fn run(
+    args: &RaceArgs,
+    base: &RaceOptions,
+    count: u32,
+    known: Option<&Known>,
+    talk: Talk,
+) -> Result<Outcome> {
     let seeds: Vec<u64> = (0..u64::from(count)).map(|i| args.seed + i).collect();
     talk.say(&lead(base));
     let mut done: Vec<Seed> = Vec::new();
@@ -43,7 +50,7 @@ pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -
         let folder = args.out.join(format!("seed-{seed}"));
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        write(&folder, &race, &options, &lead(&options))?;
+        write(&folder, &race, &options, &lead(&options), known)?;
         Ok(sum_up(seed, &race))
     };
     parallel(&seeds, threads(args.jobs), work, |_, seed| -> Result<()> {
@@ -56,12 +63,16 @@ pub(super) fn run(args: &RaceArgs, base: &RaceOptions, count: u32, talk: Talk) -
     })?;
     done.sort_by_key(|seed| seed.seed);
     if args.json {
-        result(&serde_json::to_string_pretty(&as_json(&done))?)?;
+        result(&serde_json::to_string_pretty(&as_json(&done, known))?)?;
     } else {
         result(&table(&done).to_string())?;
         let failed = done.iter().filter(|s| s.failure.is_some()).count();
         let style = if failed == 0 { GOOD } else { BAD };
         result(&paint(style, &format!("{failed} of {} runs failed", done.len())))?;
+        let best = done.iter().filter_map(|s| s.best).fold(f64::INFINITY, f64::min);
+        if let Some(known) = known.filter(|_| best.is_finite()) {
+            result(&measured(best, known))?;
+        }
         result(&format!("reports: {}", args.out.join("seed-*/report.html").display()))?;
     }
     let degraded = done.iter().any(|s| s.outcome == Outcome::Degraded);
@@ -125,7 +136,7 @@ fn table(seeds: &[Seed]) -> Table {
     table
 }
 
-fn as_json(seeds: &[Seed]) -> serde_json::Value {
+fn as_json(seeds: &[Seed], known: Option<&Known>) -> serde_json::Value {
     let rows: Vec<_> = seeds
         .iter()
         .map(|s| {
@@ -140,5 +151,5 @@ fn as_json(seeds: &[Seed]) -> serde_json::Value {
             })
         })
         .collect();
-    json!({ "seeds": rows })
+    json!({ "seeds": rows, "optimum_s": known.map(|known| known.lap_time_s) })
 }

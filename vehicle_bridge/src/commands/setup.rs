@@ -1,8 +1,10 @@
 //! From the command line to a race.
 
+use std::sync::Arc;
+
 use anyhow::{Result, bail};
 use controller::Config;
-use vehicle_model::PlantParams;
+use vehicle_model::{CarParams, PlantParams, Track};
 
 use crate::cli::ControllerArgs;
 use crate::race::{ModelErrorAt, RaceOptions, change_plant, load};
@@ -14,8 +16,16 @@ const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
 
 /// The race the options describe, with seed 0.
 pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
-    let car = load::car(&args.car)?;
-    let track = load::track(&args.track)?;
+    assemble(args, load::car(&args.car)?, load::track(&args.track)?, laps)
+}
+
+/// That race with a car and a track that are loaded already; of both, `args` has the names.
+pub(super) fn assemble(
+    args: &ControllerArgs,
+    car: CarParams,
+    track: Arc<Track>,
+    laps: u32,
+) -> Result<RaceOptions> {
     let mut plant = PlantParams::new(car.clone());
     change_plant(&mut plant, &args.plant)?;
     let default_mu = (args.car == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
@@ -26,7 +36,7 @@ pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
         Some(mu) => car.with_mu(mu),
         None => car,
     };
-    let config = config(args)?;
+    let config = config(args, &nominal, &track)?;
     Ok(RaceOptions {
         laps,
         plant,
@@ -35,11 +45,8 @@ pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
     })
 }
 
-fn config(args: &ControllerArgs) -> Result<Config> {
+fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Config> {
     let mut layers = Layers::default();
-    if let Some(shipped) = Config::of_car(&args.car) {
-        layers.text(shipped)?;
-    }
     if let Some(path) = &args.config {
         layers.file(path)?;
     }
@@ -65,7 +72,7 @@ fn config(args: &ControllerArgs) -> Result<Config> {
     for assignment in &args.set {
         layers.set(assignment)?;
     }
-    layers.build()
+    layers.build_for(car, track)
 }
 
 /// A name as the command line has it, which is also the configuration's.

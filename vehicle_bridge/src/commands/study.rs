@@ -7,19 +7,28 @@ use anyhow::{Context as _, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Outcome;
-use crate::cli::StudyArgs;
+use super::study_tracks;
+use crate::cli::{PaperStudyArgs, Study, StudyArgs, StudyName};
 use crate::console::{Talk, result};
 use crate::parallel::{parallel, threads};
 use crate::study::{Cell, Definition, Ledger, Plan, RunRow, page, run_one, summarize, text_table};
 
-/// Runs what is missing of a study and prints its table.
+/// Runs a study.
 pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
-    let study = Definition::of(args.name)?;
+    match &args.study {
+        Study::Crc(args) => paper(StudyName::Crc, args, talk),
+        Study::Bandwidth(args) => paper(StudyName::Bandwidth, args, talk),
+        Study::Hardware(args) => paper(StudyName::Hardware, args, talk),
+        Study::Tracks(args) => study_tracks::run(args, talk),
+    }
+}
+
+/// Runs what is missing of a study of the paper and prints its table.
+fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> {
+    let study = Definition::of(name)?;
     let plans = Plan::of(&study, &args.set, args.seeds, args.laps)?;
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("out/study-{}", args.name.as_str())));
+    let out =
+        args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/study-{}", name.as_str())));
     let keys: Vec<_> = plans.iter().map(Plan::key).collect();
     let mut ledger = Ledger::open(&out, |run| !args.fresh && keys.contains(&run.key()))?;
     let done: Vec<_> = ledger.runs.iter().map(RunRow::key).collect();
@@ -76,7 +85,7 @@ pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn progress(runs: u64, done: u64, talk: Talk) -> ProgressBar {
+pub(super) fn progress(runs: u64, done: u64, talk: Talk) -> ProgressBar {
     let target =
         if talk.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(runs), target);

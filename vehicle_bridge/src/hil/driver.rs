@@ -13,6 +13,7 @@ use vehicle_model::{CarParams, Track};
 use super::fault::{Action, Fault};
 use super::operator::{Duty, Operator, Switch};
 use super::proxy::Start;
+use crate::network::convert;
 use crate::network::outlet::{Identity, Outlet};
 use crate::network::realtime;
 use crate::transport::{Filter, Inbox, Received, Transport, now};
@@ -98,6 +99,7 @@ struct Outlets {
     commands: Outlet,
     pulse: Outlet,
     map: Outlet,
+    setup: Outlet,
 }
 
 impl Outlets {
@@ -107,6 +109,7 @@ impl Outlets {
             commands: Outlet::new(network, &identity, channels::COMMAND),
             pulse: Outlet::new(network, &identity, "HB/lmpc"),
             map: Outlet::new(network, &identity, channels::TRACK),
+            setup: Outlet::new(network, &identity, channels::SETUP),
         }
     }
 }
@@ -168,10 +171,16 @@ impl Source {
 
     /// What the operator does now.
     fn duty(&self) -> Duty {
-        let order = self.task.faults.iter().find_map(|fault| match fault.action {
-            Action::Order { order } if self.acts(|a| *a == fault.action) => Some(order),
+        // Of several orders the one that began last: an earlier one was given by then.
+        let since = now().mono_ns.saturating_sub(self.start.load(Ordering::Acquire));
+        let begun = self.task.faults.iter().filter_map(|fault| match fault.action {
+            Action::Order { order } => {
+                let (from, until) = fault.window_ns();
+                (self.stopping() && (from..until).contains(&since)).then_some((from, order))
+            }
             _ => None,
         });
+        let order = begun.max_by_key(|(from, _)| *from).map(|(_, order)| order);
         match order {
             Some(order) => Duty::Give(order),
             None if self.task.arming && (!self.stopping() || self.rearms()) => Duty::Drive,
@@ -224,6 +233,15 @@ impl Source {
             ..crate::network::telemetry::track_message(&self.task.track)
         };
         let _ = self.out.map.send_sealed(&map);
+        let setup = lcm_types::Setup {
+            h: self.out.setup.header(),
+            track_id: convert::track_id(&self.task.track),
+            car_id: convert::car_id(&self.task.car),
+            track: self.task.track.name().to_owned(),
+            car: self.task.car.name.clone(),
+            ..lcm_types::Setup::default()
+        };
+        let _ = self.out.setup.send_sealed(&setup);
     }
 
     fn state(&mut self, state: &VehicleState) {

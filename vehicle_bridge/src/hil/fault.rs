@@ -141,6 +141,11 @@ pub enum Action {
         /// Which.
         process: String,
     },
+    /// SIGINT, as by Ctrl-C: the program ends by itself.
+    Interrupt {
+        /// Which.
+        process: String,
+    },
     /// SIGSTOP; SIGCONT at the fault's end.
     Stop {
         /// Which.
@@ -216,6 +221,29 @@ pub enum Field {
 }
 
 impl Action {
+    /// Whether it changes messages that pass, and so may find none.
+    pub(super) fn is_on_messages(&self) -> bool {
+        matches!(
+            self,
+            Self::Drop { .. }
+                | Self::Delay { .. }
+                | Self::Duplicate { .. }
+                | Self::Swap {}
+                | Self::Replay { .. }
+                | Self::Corrupt { .. }
+                | Self::Junk { .. }
+                | Self::Malformed {}
+                | Self::Freeze {}
+                | Self::Stale { .. }
+                | Self::WallClock { .. }
+                | Self::Nan { .. }
+                | Self::Set { .. }
+                | Self::Bias { .. }
+                | Self::Noise { .. }
+                | Self::Fingerprint {}
+        )
+    }
+
     /// Whether it sends though nothing comes.
     pub(super) fn is_storm(&self) -> bool {
         matches!(
@@ -235,8 +263,10 @@ impl Fault {
         if !(0.0..=1.0).contains(&self.share) {
             problems.push(format!("fault: share is {}, expected 0 to 1", self.share));
         }
-        if let Action::Kill { process } | Action::Stop { process } | Action::Restart { process } =
-            &self.action
+        if let Action::Kill { process }
+        | Action::Interrupt { process }
+        | Action::Stop { process }
+        | Action::Restart { process } = &self.action
             && !processes.contains(process)
         {
             problems.push(format!("fault: process `{process}` is not started by this scenario"));

@@ -140,7 +140,10 @@ impl Heard {
         values.insert(Measure::BadApplied, count(&|r| drives(r) && !known(r)));
         let beyond = unsafe_reports(&self.reports, &self.acks, &rule.limiter, rule.latching);
         values.insert(Measure::UnsafeOutputs, beyond as f64);
-        let trips = after.windows(2).filter(|p| drives(p[0]) && stops(p[1])).count();
+        // The last report before the fault counts: a stop may come in the first one after it.
+        let before = self.reports.iter().rfind(|r| r.h.mono_ns < start_ns);
+        let all: Vec<_> = before.into_iter().chain(after.iter().copied()).collect();
+        let trips = all.windows(2).filter(|p| drives(p[0]) && stops(p[1])).count();
         values.insert(Measure::Trips, trips as f64);
         let gap = |p: &[&ActuationReport]| ms(p[0].h.mono_ns, p[1].h.mono_ns);
         values.insert(Measure::LongestGapMs, after.windows(2).map(gap).fold(0.0, f64::max));

@@ -23,6 +23,8 @@ pub(super) struct Passed {
     pub(super) estop_ns: Option<i64>,
     /// Emergency stops lost before it. \[-\]
     pub(super) estops_lost: u32,
+    /// Messages each fault acted on, by its place in the scenario. \[-\]
+    pub(super) acted: BTreeMap<usize, u32>,
     /// Messages of storms, and when the first and the last went out. \[-, ns, ns\]
     pub(super) storm: Option<(u32, i64, i64)>,
 }

@@ -47,6 +47,12 @@ impl Program {
         let _ = self.child.wait();
     }
 
+    /// Asks it to end: its end is no crash.
+    pub(super) fn interrupt(&mut self) {
+        self.ended = true;
+        self.signal(Signal::SIGINT);
+    }
+
     pub(super) fn stop(&mut self) {
         if !self.stopped {
             self.stopped = true;
@@ -88,7 +94,7 @@ impl Program {
 impl Drop for Program {
     fn drop(&mut self) {
         self.go_on();
-        if self.ended {
+        if self.ended && !matches!(self.child.try_wait(), Ok(None)) {
             return;
         }
         self.signal(Signal::SIGINT);

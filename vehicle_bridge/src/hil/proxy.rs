@@ -49,7 +49,8 @@ impl Proxy {
         });
         let [control, car] = wires;
         let passed: Arc<Mutex<Passed>> = Arc::default();
-        let states = faults.iter().map(|fault| Active::new(fault.clone(), seed)).collect();
+        let states =
+            faults.iter().enumerate().map(|(i, f)| Active::new(i, f.clone(), seed)).collect();
         let mut forwarder = Forwarder {
             wires: [control?, car?],
             faults: states,
@@ -76,6 +77,7 @@ impl Proxy {
 
 /// A fault and what it remembers.
 pub(super) struct Active {
+    index: usize,
     pub(super) fault: Fault,
     memory: Memory,
     pub(super) random: Random,
@@ -87,9 +89,10 @@ pub(super) struct Active {
 }
 
 impl Active {
-    fn new(fault: Fault, seed: u64) -> Self {
+    fn new(index: usize, fault: Fault, seed: u64) -> Self {
         let (memory, random) = (Memory::default(), random::of(seed));
         Self {
+            index,
             fault,
             memory,
             random,
@@ -174,6 +177,12 @@ impl Forwarder {
         passed.note(channel, message, now().mono_ns, lost);
     }
 
+    /// Notes that a fault had something to act on.
+    fn acted(&self, index: usize) {
+        let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
+        *passed.acted.entry(index).or_default() += 1;
+    }
+
     fn forward(&mut self, received: &[u8], to: usize) {
         let time = now().mono_ns;
         let start = self.start.load(Ordering::Acquire);
@@ -207,6 +216,7 @@ impl Forwarder {
             if active.random.random::<f64>() >= active.fault.share {
                 continue;
             }
+            self.acted(active.index);
             match &active.fault.action {
                 Action::Drop { first } => {
                     active.count += 1;

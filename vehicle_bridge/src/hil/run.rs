@@ -168,6 +168,12 @@ fn drive(
     drop(driver);
     let passed = proxy.passed();
     drop(programs);
+    for (index, fault) in scenario.faults.iter().enumerate() {
+        if fault.action.is_on_messages() && !passed.acted.contains_key(&index) {
+            let channel = fault.channel.as_deref().unwrap_or("any channel");
+            bail!("fault {} acted on no message of {channel}", index + 1);
+        }
+    }
     let log = scenario.processes.iter().find_map(|n| place.bench.process(n)?.log.clone());
     let heard = match log {
         Some(path) => Heard::of_log(Path::new(&words.fill(&[path])[0]), ended)?,
@@ -230,8 +236,10 @@ fn inject(
         for (fault, begun) in scenario.faults.iter().zip(&mut begun) {
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;
-            let (Action::Kill { process } | Action::Stop { process } | Action::Restart { process }) =
-                &fault.action
+            let (Action::Kill { process }
+            | Action::Interrupt { process }
+            | Action::Stop { process }
+            | Action::Restart { process }) = &fault.action
             else {
                 continue;
             };
@@ -240,6 +248,7 @@ fn inject(
                 *begun = Some(since);
                 match fault.action {
                     Action::Kill { .. } => program.kill(),
+                    Action::Interrupt { .. } => program.interrupt(),
                     Action::Restart { .. } => program.restart()?,
                     _ => program.stop(),
                 }

@@ -8,7 +8,7 @@ use vehicle_model::Limited;
 
 use super::record::Log;
 use crate::mapping;
-use crate::safety::{Lapse, Reject};
+use crate::safety::{Finding, Lapse, Reaction, Reject};
 
 /// What was not taken, last.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,10 @@ pub(super) struct Account {
     pub(super) missed: u64,
     /// Messages the network refused. \[-\]
     pub(super) unsent: u64,
+    /// The worst doubt.
+    pub(super) doubt: Finding,
+    /// Programs on the network that should not be there.
+    pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
     pub(super) log: Option<Log>,
     /// A real car's messages.
@@ -82,6 +86,13 @@ impl fmt::Display for Account {
         if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
             say(format_args!("{complaint}"))?;
         }
+        if self.doubt.reaction() >= Reaction::Report {
+            let Finding { what, level } = self.doubt;
+            say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
+        }
+        if let Some(neighbours) = &self.neighbours {
+            say(format_args!("{neighbours}"))?;
+        }
         if let Some(counts) = self.car {
             say(format_args!("{counts}"))?;
         }
@@ -109,6 +120,8 @@ mod tests {
             missed: 1,
             unsent: 2,
             car: Some(mapping::Counts::default()),
+            doubt: Finding::default(),
+            neighbours: Some("another bridge".into()),
             refused: Some(Refused::LifeSign(Reject::Boot)),
             log: None,
         };
@@ -116,7 +129,7 @@ mod tests {
             account.to_string(),
             "a note; last stop: the bridge itself stood still; 3 inputs limited; now asked 0.00 \
              m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
-             be sent; car: 0 states, 0 bad, 0 old, 0 incomplete; a life sign was refused: not from \
+             be sent; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a life sign was refused: not from \
              the controller that was armed"
         );
     }

@@ -278,7 +278,10 @@ impl Car {
     fn judge(&mut self, time: f64, before: (f64, i64), on_lap: &mut dyn FnMut(usize, f64, bool)) {
         let truth = self.vehicle.truth();
         let broken = self.rule.broken(self.vehicle.track(), &truth, 0.0);
-        if matches!(broken, Some(FailureReason::OffTrack | FailureReason::WrongWay)) {
+        if matches!(
+            broken,
+            Some(FailureReason::OffTrack | FailureReason::Spin | FailureReason::WrongWay)
+        ) {
             self.drive.off_track += 1;
             self.lap_clean = false;
         }

@@ -1,8 +1,8 @@
 //! States and commands: between the messages and the controller's own types.
 
-use controller::{Measurement, Plan, Pose};
+use controller::{Config, Measurement, Plan, Pose};
 use lcm_types::{ActuationCommand, Frenet, Header, VehicleState, crc};
-use vehicle_model::{GlobalState, Input, State, Track};
+use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
 /// Measurement times this near to a whole number of periods are whole numbers of periods. \[ns\]
 const ROUNDING_NS: f64 = 1.0;
@@ -11,6 +11,22 @@ const ROUNDING_NS: f64 = 1.0;
 #[must_use]
 pub fn track_id(track: &Track) -> i64 {
     crc::of(&track.fingerprint().to_le_bytes()).into()
+}
+
+/// What both ends call a car: the CRC-32 of its fingerprint. \[-\]
+#[must_use]
+pub fn car_id(car: &CarParams) -> i64 {
+    crc::of(&car.fingerprint().to_le_bytes()).into()
+}
+
+/// What both ends call a configuration: the CRC-32 of all its values but the seed of the warm-up
+/// laps. \[-\]
+#[must_use]
+pub fn config_id(config: &Config) -> i64 {
+    let mut config = config.clone();
+    config.warm_up.seed = 0;
+    // Numbers and words alone: there is nothing that does not serialise.
+    crc::of(&serde_json::to_vec(&config).unwrap_or_default()).into()
 }
 
 /// Nanoseconds of a time in seconds.

@@ -1,10 +1,11 @@
 //! The bridge to a real car that speaks its own messages.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use lcm_types::{ActuationCommand, ActuationReport, channels};
 use vehicle_model::{CarParams, Input};
 
@@ -98,6 +99,23 @@ impl MappedCar {
     /// # Errors
     /// If the network refuses a message.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<Bridged> {
+        let run = catch_unwind(AssertUnwindSafe(|| self.obey_until(stop)));
+        self.command = None;
+        let ends = (0..LAST_WORDS).map(|_| self.actuate(Instant::now()));
+        let mut stopped = Ok(());
+        for end in ends {
+            stopped = stopped.or(end);
+        }
+        match run {
+            Ok(run) => run.and(stopped)?,
+            Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
+        }
+        self.bridged.commands = self.guard.counts;
+        self.bridged.source = self.mapping.counts();
+        Ok(self.bridged)
+    }
+
+    fn obey_until(&mut self, stop: &AtomicBool) -> Result<()> {
         let period = Duration::from_secs_f64(self.mapping.command_period());
         let mut due = Instant::now();
         while !stop.load(Ordering::Relaxed) {
@@ -117,13 +135,7 @@ impl MappedCar {
             }
             self.inbox.recycle(received);
         }
-        self.command = None;
-        for _ in 0..LAST_WORDS {
-            self.actuate(Instant::now())?;
-        }
-        self.bridged.commands = self.guard.counts;
-        self.bridged.source = self.mapping.counts();
-        Ok(self.bridged)
+        Ok(())
     }
 
     /// When the command in force may no longer be used.

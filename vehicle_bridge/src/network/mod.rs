@@ -7,6 +7,7 @@
 
 mod account;
 pub mod bridge;
+mod bridge_run;
 pub mod car;
 pub mod convert;
 pub mod effort;
@@ -14,6 +15,7 @@ pub mod grant;
 pub mod guard;
 pub mod map_file;
 pub mod mapped_car;
+mod neighbours;
 pub mod operator;
 pub mod operator_client;
 pub mod orders;

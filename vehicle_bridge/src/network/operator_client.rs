@@ -46,8 +46,10 @@ pub struct Operator {
     outlet: Outlet,
     bridge_channel: String,
     service_channel: String,
-    /// The grant the bridge says.
+    /// The arm token the bridge reports.
     bridge: Option<i64>,
+    /// Boot id and sender of each bridge heard.
+    bridges: Vec<(i64, String)>,
     service: bool,
     begun: Instant,
 }
@@ -66,8 +68,8 @@ impl Operator {
         network.subscribe(Filter::Only(names), inbox.sink())?;
         let outlet = Outlet::new(network, &Identity::new("operator"), channels::OPERATOR);
         let begun = Instant::now();
-        let (bridge, service) = (None, false);
-        Ok(Self { inbox, outlet, bridge_channel, service_channel, bridge, service, begun })
+        let (bridge, bridges, service) = (None, Vec::new(), false);
+        Ok(Self { inbox, outlet, bridge_channel, service_channel, bridge, bridges, service, begun })
     }
 
     /// Says an order once.
@@ -82,6 +84,9 @@ impl Operator {
             if received.channel == self.bridge_channel {
                 if let Ok(beat) = Heartbeat::decode(&received.payload) {
                     self.bridge = Some(beat.arm_token);
+                    if self.bridges.iter().all(|(boot_id, _)| *boot_id != beat.h.boot_id) {
+                        self.bridges.push((beat.h.boot_id, beat.h.sender));
+                    }
                 }
             } else if received.channel == self.service_channel {
                 self.service = true;
@@ -98,9 +103,18 @@ impl Operator {
     /// says.
     ///
     /// # Errors
-    /// If nobody answers, or the network refuses it.
+    /// If nobody answers, the network refuses it, or ARM or START would reach two bridges.
     pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<Answered>> {
         order.request_id = random();
+        if matches!(order.command, OperatorCommand::ARM | OperatorCommand::START) {
+            self.listen(self.begun + LOOK, 0, &mut |_| {});
+            if let [(one, first), (two, second), ..] = &self.bridges[..] {
+                bail!(
+                    "two bridges are on this network, {first} (boot id {one}) and {second} (boot \
+                     id {two}): end one, or give each a network of its own"
+                );
+            }
+        }
         let begun = Instant::now();
         let estop = order.command == OperatorCommand::ESTOP;
         let for_bridge = matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM);

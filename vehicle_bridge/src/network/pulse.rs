@@ -1,11 +1,11 @@
-//! Life signs, ten a second, from a thread of their own, and once a second the track.
+//! Heartbeats, ten a second, from a thread of their own, and once a second track and setup.
 
 use std::fmt::{Display, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use lcm_types::{Heartbeat, Track, channels};
+use lcm_types::{Heartbeat, Setup, Track, channels};
 
 use super::guard::Counts;
 use super::outlet::{Identity, Outlet};
@@ -13,8 +13,8 @@ use crate::transport::Transport;
 use crate::worker::Worker;
 
 const INTERVAL: Duration = Duration::from_millis(100);
-/// Life signs from one message of the track to the next. \[-\]
-const TRACK_EVERY: u64 = 10;
+/// Heartbeats from one message of track and setup to the next. \[-\]
+const PLACE_EVERY: u64 = 10;
 /// Pages of memory on every system this runs on. \[MB\]
 const PAGE_MB: f32 = 4096.0 / 1e6;
 
@@ -31,6 +31,15 @@ pub struct Health<D = String> {
     pub detail: D,
 }
 
+/// Where and with what a controller drives.
+#[derive(Debug, Clone, Default)]
+pub struct Place {
+    /// The track, for `MAP/TRACK`.
+    pub track: Track,
+    /// The setup, for `LMPC/SETUP`.
+    pub setup: Setup,
+}
+
 /// The sending thread; ends when dropped.
 pub struct Pulse<D = String> {
     health: Arc<Mutex<Health<D>>>,
@@ -38,7 +47,7 @@ pub struct Pulse<D = String> {
 }
 
 impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
-    /// Begins to send on `HB/<name>`, and `track`, if there is one, on `MAP/TRACK`.
+    /// Begins to send on `HB/<name>`, and `place`, if there is one, on `MAP/TRACK` and `LMPC/SETUP`.
     ///
     /// # Errors
     /// If the thread cannot be started.
@@ -46,13 +55,16 @@ impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
         network: &Arc<dyn Transport>,
         identity: &Identity,
         name: &str,
-        track: Option<Track>,
+        place: Option<Place>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health<D>>> = Arc::default();
         let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
-        let track = track.map(|t| (Outlet::new(network, identity, channels::TRACK), t));
+        let place = place.map(|place| {
+            let outlet = |channel: &str| Outlet::new(network, identity, channel);
+            (outlet(channels::TRACK), outlet(channels::SETUP), place)
+        });
         let seen = Arc::clone(&health);
-        let worker = Worker::start("lmpc-pulse", move |stop| beat(outlet, track, &seen, stop))?;
+        let worker = Worker::start("lmpc-pulse", move |stop| beat(outlet, place, &seen, stop))?;
         Ok(Self { health, _worker: worker })
     }
 
@@ -64,7 +76,7 @@ impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
 
 fn beat<D: Display + Clone>(
     mut outlet: Outlet,
-    mut track: Option<(Outlet, Track)>,
+    mut place: Option<(Outlet, Outlet, Place)>,
     health: &Mutex<Health<D>>,
     stop: &AtomicBool,
 ) {
@@ -98,10 +110,11 @@ fn beat<D: Display + Clone>(
         };
         // A life sign that is lost is what its absence says.
         let _ = outlet.send(&message);
-        if let Some((outlet, track)) = track.as_mut().filter(|_| count % TRACK_EVERY == 0) {
-            track.h = outlet.header();
-            // Who missed it has it in a second.
-            let _ = outlet.send_sealed(track);
+        if let Some((tracks, setups, place)) = place.as_mut().filter(|_| count % PLACE_EVERY == 0) {
+            (place.track.h, place.setup.h) = (tracks.header(), setups.header());
+            // Whoever misses them gets them again in a second.
+            let _ = tracks.send_sealed(&place.track);
+            let _ = setups.send_sealed(&place.setup);
         }
         due += INTERVAL;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));

@@ -18,7 +18,7 @@ use super::guard::{Accepted, Guard};
 use super::operator::{self, Authority};
 use super::orders::{Heard, Orders};
 use super::outlet::{Identity, Outlet};
-use super::pulse::Pulse;
+use super::pulse::{Place, Pulse};
 use super::record::Log;
 use super::schedule::Schedule;
 use super::store::Store;
@@ -44,6 +44,8 @@ pub struct ServiceOptions {
     pub valid_for: f64,
     /// What a person should know of this start; goes into every life sign.
     pub notes: Vec<String>,
+    /// What the bridge compares before it arms this controller.
+    pub setup: lcm_types::Setup,
     /// The log behind the network; what it loses is in every life sign too.
     pub log: Option<Log>,
     /// For the bench: steps that take longer.
@@ -113,6 +115,7 @@ impl Service {
             (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
         let name = if options.dry_run { channels::COMMAND_DRY } else { channels::COMMAND };
         let track = telemetry::track_message(controller.track());
+        let place = Place { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         Ok(Self {
             guard: Guard::new(age, silence, host),
@@ -123,7 +126,7 @@ impl Service {
             laps: outlet(channels::LAP),
             acks: outlet(channels::OPERATOR_ACK),
             grant,
-            pulse: Pulse::start(network, &identity, "lmpc", Some(track))?,
+            pulse: Pulse::start(network, &identity, "lmpc", Some(place))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
             seen: LapSeen::new(key),
@@ -193,9 +196,11 @@ impl Service {
     /// A state, if it is believed.
     fn believe(&mut self, received: &Received) -> Option<VehicleState> {
         let (arrival_ns, now_ns) = (received.arrival.mono_ns, transport::now().mono_ns);
-        let track_id = self.track_id;
+        let (track_id, bridge) = (self.track_id, self.grant.bridge());
         let sane = |state: &VehicleState| {
-            state.quality > 0
+            // Another car's answers would be another car's commands.
+            bridge.is_none_or(|bridge| state.h.boot_id == bridge)
+                && state.quality > 0
                 && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
         };
         let times = (arrival_ns, now_ns);
@@ -359,6 +364,7 @@ impl Service {
             detail.push(format!("{} messages could not be sent", self.send_errors));
         }
         detail.extend(self.save_error.clone());
+        detail.extend(self.grant.complaint());
         detail.extend(self.options.log.as_ref().and_then(Log::complaint));
         self.pulse.update(|health| {
             health.state = state;

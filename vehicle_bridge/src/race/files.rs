@@ -11,12 +11,14 @@ use super::words::{action_word, kind_word, reason_word, solver_word};
 
 const LAPS: &str = "lap,kind,iteration,lap_time_s,valid,v_max_mps,v_mean_mps,e_y_max_m,\
 alpha_f_max_rad,alpha_r_max_rad,steps,fallbacks,clipped,data_support_min,data_support_mean,\
-model_error_median,model_error_mean,iterations_mean,iterations_max,grip_f,grip_r";
+model_error_median,model_error_mean,iterations_mean,iterations_max,grip_f,grip_r,\
+overhang_max_m";
 
 const TRAJECTORY: &str = "time_s,lap,v_x_mps,v_y_mps,omega_z_radps,e_psi_rad,s_m,e_y_m,a_mps2,\
 delta_rad,x_m,y_m,psi_rad,alpha_f_rad,alpha_r_rad,tyre_use_f,tyre_use_r,action,reason,solve,\
 solver,iterations,cost,lane_slack_m,front_slip_slack_rad,rear_slip_slack_rad,speed_slack_mps,\
-terminal_slack,data_support_min,data_support_mean,model_error,clipped";
+terminal_slack,data_support_min,data_support_mean,model_error,clipped,\
+overhang_m";
 
 const TIMINGS: &str = "time_s,lap,project_us,linearize_us,regress_us,safe_set_us,solve_us,step_us";
 
@@ -31,7 +33,7 @@ pub fn write_laps(path: &Path, laps: &[LapRow]) -> io::Result<()> {
         let iteration = lap.iteration.map(|i| i.to_string()).unwrap_or_default();
         writeln!(
             out,
-            "{},{},{iteration},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{iteration},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             r.lap,
             kind_word(r.kind),
             r.lap_time,
@@ -52,6 +54,7 @@ pub fn write_laps(path: &Path, laps: &[LapRow]) -> io::Result<()> {
             lap.iterations_max,
             lap.grip[0],
             lap.grip[1],
+            lap.overhang_max,
         )?;
     }
     out.flush()
@@ -83,11 +86,12 @@ pub fn write_trajectory(path: &Path, steps: &[StepRow]) -> io::Result<()> {
         )?;
         writeln!(
             out,
-            "{},{},{},{}",
+            "{},{},{},{},{}",
             status.data_support_min,
             status.data_support_mean,
             number(row.model_error.median),
-            status.clipped
+            status.clipped,
+            row.overhang
         )?;
     }
     out.flush()

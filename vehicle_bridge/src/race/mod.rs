@@ -17,12 +17,12 @@ use controller::{
     Action, Config, ConfigError, Controller, LapKind, LapResult, Measurement, Pose, Status,
 };
 use vehicle_model::{
-    CarParams, Discretized, Input, Model, ModelError as PlantError, ModelKind, Plant, PlantParams,
-    SlipAngles, State, Track,
+    CarParams, Discretized, Input, Model, ModelError as PlantError, ModelKind, Outline, Plant,
+    PlantParams, SlipAngles, State, Track,
 };
 
 pub use plant::change_plant;
-pub use rule::FailureRule;
+pub use rule::{FailureRule, TrackLimit};
 
 use crate::vehicle::{Vehicle, VehicleError};
 use record::{Failure, LapRow, ModelError, StepRow};
@@ -35,6 +35,8 @@ pub enum ModelErrorAt {
     Now,
     /// At every point of the plan.
     Plan,
+    /// Nowhere: it takes a regression of its own in each step.
+    Never,
 }
 
 /// Why a race cannot begin, or go on.
@@ -68,6 +70,8 @@ pub struct RaceOptions {
     pub seed: u64,
     /// Where the model's error is taken.
     pub model_error: ModelErrorAt,
+    /// What has to stay inside the track.
+    pub limit: TrackLimit,
 }
 
 impl RaceOptions {
@@ -82,6 +86,7 @@ impl RaceOptions {
             laps: 20,
             seed: 0,
             model_error: ModelErrorAt::Now,
+            limit: TrackLimit::default(),
         }
     }
 }
@@ -90,6 +95,8 @@ impl RaceOptions {
 pub struct Race {
     options: RaceOptions,
     rule: FailureRule,
+    /// The body of the vehicle that drives.
+    outline: Outline,
     controller: Controller,
     vehicle: Box<dyn Vehicle>,
     /// What the learned model is compared with; none where the vehicle's inside is unknown.
@@ -136,7 +143,8 @@ impl Race {
         let RaceOptions { config, nominal, track, .. } = &options;
         let controller = Controller::new(config.clone(), nominal.clone(), Arc::clone(track))?;
         Ok(Self {
-            rule: FailureRule::new(config, track),
+            rule: FailureRule::new(config, track, vehicle.car(), options.limit),
+            outline: Outline::new(vehicle.car()),
             exact: None,
             vehicle,
             controller,
@@ -249,6 +257,7 @@ impl Race {
             alpha_r: slip.rear,
             use_f: share(&car.tyre_front, slip.front),
             use_r: share(&car.tyre_rear, slip.rear),
+            overhang: self.outline.overhang(&self.options.track, &x),
             model_error: self.model_error(&x, &u, &status),
         }
     }
@@ -264,6 +273,7 @@ impl Race {
             (learned - exact).norm()
         };
         match self.options.model_error {
+            ModelErrorAt::Never => ModelError::NONE,
             ModelErrorAt::Now => ModelError::of(vec![at(x, u)]),
             ModelErrorAt::Plan => {
                 let plan = self.controller.plan();
@@ -279,8 +289,8 @@ impl Race {
             reason,
             iteration: if self.learning { self.learned_laps + 1 } else { 0 },
             time: self.time,
-            s: x.s,
-            e_y: x.e_y,
+            x,
+            beyond: self.rule.beyond(&self.options.track, &x),
         });
     }
 }

@@ -26,6 +26,9 @@ pub struct StepRow {
     pub use_f: f64,
     /// Share of the rear axle's largest lateral force in use, 0 to 1.
     pub use_r: f64,
+    /// How far the body reaches beyond an edge; minus the distance to the nearer edge while it is
+    /// inside \[m\].
+    pub overhang: f64,
     /// Frobenius norm of the learned model's error in A; not a number where it was not asked for.
     pub model_error: ModelError,
 }
@@ -63,6 +66,9 @@ pub struct LapRow {
     pub v_mean: f64,
     /// Greatest |e_y| [m].
     pub e_y_max: f64,
+    /// Greatest overhang of the body beyond an edge; while it stays inside, minus its least
+    /// distance to one \[m\].
+    pub overhang_max: f64,
     /// Greatest front slip angle [rad].
     pub alpha_f_max: f64,
     /// Greatest rear slip angle [rad].
@@ -109,6 +115,7 @@ impl LapRow {
             v_max: most(&all(|r| r.x.v_x)),
             v_mean: mean(&all(|r| r.x.v_x)),
             e_y_max: most(&all(|r| r.x.e_y.abs())),
+            overhang_max: most(&all(|r| r.overhang)),
             alpha_f_max: most(&all(|r| r.alpha_f.abs())),
             alpha_r_max: most(&all(|r| r.alpha_r.abs())),
             steps: steps.len(),
@@ -137,12 +144,14 @@ pub fn is_fallback(status: &Status) -> bool {
     matches!(status.action, Action::ShiftedPlan | Action::Tracking | Action::Braking)
 }
 
-/// Why a run counts as failed (the rule of the paper's studies).
+/// Why a run counts as failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FailureReason {
-    /// The centre of gravity crossed a track edge.
+    /// The body crossed a track edge, or the centre of gravity where only that counts.
     OffTrack,
-    /// The car pointed more than 90 degrees away from the track.
+    /// The car turned more than 90 degrees away from the track while it slid on along it.
+    Spin,
+    /// The car turned round and drove back.
     WrongWay,
     /// The car stood still after its start.
     Standstill,
@@ -158,6 +167,7 @@ impl FailureReason {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::OffTrack => "off_track",
+            Self::Spin => "spin",
             Self::WrongWay => "wrong_way",
             Self::Standstill => "standstill",
             Self::NoLap => "no_lap",
@@ -175,17 +185,20 @@ pub struct Failure {
     pub iteration: u32,
     /// When [s].
     pub time: f64,
-    /// Where on the track [m].
-    pub s: f64,
-    /// Lateral deviation there [m].
-    pub e_y: f64,
+    /// The true state then.
+    pub x: State,
+    /// How far the car was beyond an edge; negative inside \[m\].
+    pub beyond: f64,
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.reason {
-            FailureReason::OffTrack => write!(f, "the car left the track")?,
-            FailureReason::WrongWay => write!(f, "the car turned away from the track")?,
+            FailureReason::OffTrack => {
+                write!(f, "the car left the track by {:.3} m", self.beyond)?;
+            }
+            FailureReason::Spin => write!(f, "the car spun")?,
+            FailureReason::WrongWay => write!(f, "the car drove the wrong way")?,
             FailureReason::Standstill => write!(f, "the car stood still")?,
             FailureReason::NoLap => write!(f, "no lap was finished in the time allowed")?,
             FailureReason::NotFinite => write!(f, "the simulated car's state exploded")?,
@@ -194,7 +207,11 @@ impl fmt::Display for Failure {
             0 => write!(f, " in a warm-up lap")?,
             n => write!(f, " in learning lap {n}")?,
         }
-        write!(f, " at s = {:.2} m, e_y = {:.3} m, after {:.1} s", self.s, self.e_y, self.time)
+        write!(
+            f,
+            " at s = {:.2} m, e_y = {:.3} m, v_x = {:.2} m/s, after {:.1} s",
+            self.x.s, self.x.e_y, self.x.v_x, self.time
+        )
     }
 }
 

@@ -1,7 +1,9 @@
 //! When a run counts as failed.
 
+use std::f64::consts::FRAC_PI_2;
+
 use controller::Config;
-use vehicle_model::{State, Track};
+use vehicle_model::{CarParams, Outline, State, Track};
 
 use super::record::FailureReason;
 
@@ -12,38 +14,63 @@ const LAP_TIME_LIMIT: f64 = 40.0;
 /// On a long track a lap may take this many times the time at warm-up speed.
 const WARM_UP_TIMES: f64 = 6.0;
 
-/// The failure rule of the studies: centre of gravity beyond a track edge, |e_psi| above pi/2,
-/// v_x below 0.1 m/s after the start, no lap within 40 s (longer on long tracks).
+/// What has to stay between the edges of the track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TrackLimit {
+    /// The whole body: length, width and heading count.
+    Body,
+    /// The centre of gravity, as in the paper's studies.
+    #[default]
+    CentreOfGravity,
+}
+
+/// When a run ends: body or centre of gravity beyond a track edge, |e_psi| above pi/2, v_x below
+/// 0.1 m/s after the start, no lap within 40 s (longer on long tracks).
 #[derive(Debug, Clone)]
 pub struct FailureRule {
-    /// Longest time a lap may take [s].
+    /// Longest time a lap may take \[s\].
     pub lap_time_limit: f64,
+    /// The body that has to stay inside; none where only the centre of gravity counts.
+    pub outline: Option<Outline>,
 }
 
 impl FailureRule {
-    /// The rule for this track.
+    /// The rule for this car and track.
     #[must_use]
-    pub fn new(config: &Config, track: &Track) -> Self {
+    pub fn new(config: &Config, track: &Track, car: &CarParams, limit: TrackLimit) -> Self {
         let slow_lap = WARM_UP_TIMES * track.length() / config.warm_up.speed;
-        Self { lap_time_limit: slow_lap.max(LAP_TIME_LIMIT) }
+        let outline = (limit == TrackLimit::Body).then(|| Outline::new(car));
+        Self { lap_time_limit: slow_lap.max(LAP_TIME_LIMIT), outline }
     }
 
-    /// Whether a true state, `lap_time` after the line, ends the run.
+    /// Whether a true state, `lap_time` \[s\] after the line, ends the run.
     #[must_use]
     pub fn broken(&self, track: &Track, x: &State, lap_time: f64) -> Option<FailureReason> {
         if !x.is_finite() {
             return Some(FailureReason::NotFinite);
         }
-        if x.e_y > track.width_left(x.s) || x.e_y < -track.width_right(x.s) {
+        if self.beyond(track, x) > 0.0 {
             return Some(FailureReason::OffTrack);
         }
-        if x.e_psi.abs() > std::f64::consts::FRAC_PI_2 {
-            return Some(FailureReason::WrongWay);
+        if x.e_psi.abs() > FRAC_PI_2 {
+            // A car that slides on along the track has spun; one that drives back has turned.
+            let course = x.e_psi + x.v_y.atan2(x.v_x);
+            let spun = course.cos() > 0.0;
+            return Some(if spun { FailureReason::Spin } else { FailureReason::WrongWay });
         }
         if x.v_x < STANDSTILL_SPEED {
             return Some(FailureReason::Standstill);
         }
         (lap_time > self.lap_time_limit).then_some(FailureReason::NoLap)
+    }
+
+    /// How far what has to stay inside is beyond an edge; negative inside \[m\].
+    #[must_use]
+    pub fn beyond(&self, track: &Track, x: &State) -> f64 {
+        match &self.outline {
+            Some(outline) => outline.overhang(track, x),
+            None => (x.e_y - track.width_left(x.s)).max(-x.e_y - track.width_right(x.s)),
+        }
     }
 }
 
@@ -54,7 +81,8 @@ mod tests {
     #[test]
     fn each_way_to_fail_has_its_name() {
         let track = Track::builtin("l").unwrap();
-        let rule = FailureRule::new(&Config::default(), &track);
+        let car = CarParams::builtin("barc").unwrap();
+        let rule = FailureRule::new(&Config::default(), &track, &car, TrackLimit::CentreOfGravity);
         let good = State { v_x: 1.0, s: 3.0, ..State::default() };
         let edge = track.width_left(3.0);
         assert_eq!(rule.broken(&track, &good, 10.0), None);
@@ -63,6 +91,7 @@ mod tests {
             (State { e_y: edge + 1e-9, ..good }, 0.0, FailureReason::OffTrack),
             (State { e_y: -edge - 1e-9, ..good }, 0.0, FailureReason::OffTrack),
             (State { e_psi: -1.6, ..good }, 0.0, FailureReason::WrongWay),
+            (State { e_psi: -1.6, v_y: 2.0, ..good }, 0.0, FailureReason::Spin),
             (State { v_x: 0.05, ..good }, 0.0, FailureReason::Standstill),
             (State { v_x: f64::NAN, ..good }, 0.0, FailureReason::NotFinite),
             (good, 1e4, FailureReason::NoLap),
@@ -70,5 +99,18 @@ mod tests {
         for (x, time, reason) in cases {
             assert_eq!(rule.broken(&track, &x, time), Some(reason));
         }
+    }
+
+    #[test]
+    fn a_body_reaches_the_edge_before_its_centre_does() {
+        let track = Track::builtin("l").unwrap();
+        let car = CarParams::builtin("barc").unwrap();
+        let rule = FailureRule::new(&Config::default(), &track, &car, TrackLimit::Body);
+        // On a straight, heading along it, the body reaches half its width.
+        let e_y = track.width_left(0.5) - 0.5 * car.width;
+        let at = |e_y: f64| State { v_x: 1.0, s: 0.5, e_y, ..State::default() };
+        assert_eq!(rule.broken(&track, &at(e_y - 1e-9), 0.0), None);
+        assert_eq!(rule.broken(&track, &at(e_y + 1e-9), 0.0), Some(FailureReason::OffTrack));
+        assert!((rule.beyond(&track, &at(e_y + 0.02)) - 0.02).abs() < 1e-9);
     }
 }

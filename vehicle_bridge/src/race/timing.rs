@@ -1,8 +1,9 @@
 //! Control-step times by phase, measured by the host: the controller has no clock.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use controller::{Phase, Probe};
+use nix::time::{ClockId, clock_gettime};
 
 /// The phases in the order of a step, with their names.
 pub const PHASES: [(Phase, &str); 5] = [
@@ -20,12 +21,22 @@ pub struct StepTime {
     pub phases: [f64; 5],
     /// Of the whole step.
     pub total: f64,
+    /// Processor time of the whole step: what it takes where nothing else runs beside it.
+    pub processor: f64,
+}
+
+/// Processor time of this thread so far \[s\]; 0 where the system does not count it.
+fn processor_time() -> f64 {
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
+        .map_or(0.0, |time| Duration::from(time).as_secs_f64())
 }
 
 /// A clock that is told about the phases.
 #[derive(Debug)]
 pub struct Stopwatch {
     time: StepTime,
+    /// Processor time at the start \[s\].
+    processor: f64,
     whole: Instant,
     begun: Instant,
 }
@@ -34,14 +45,16 @@ impl Stopwatch {
     /// A clock that starts now.
     #[must_use]
     pub fn start() -> Self {
+        let processor = processor_time();
         let now = Instant::now();
-        Self { time: StepTime::default(), whole: now, begun: now }
+        Self { time: StepTime::default(), processor, whole: now, begun: now }
     }
 
     /// The times until now.
     #[must_use]
     pub fn stop(self) -> StepTime {
-        StepTime { total: self.whole.elapsed().as_secs_f64(), ..self.time }
+        let total = self.whole.elapsed().as_secs_f64();
+        StepTime { total, processor: processor_time() - self.processor, ..self.time }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Charts over laps and along the lap.
 
-use super::{LapView, Optimal};
+use super::LapView;
+use crate::optimal::Known;
 use crate::page::scale::Kind;
 use crate::page::{Chart, Mark, Reference, Series};
 use crate::race::record::{LapRow, StepRow};
@@ -8,7 +9,7 @@ use crate::race::timing::{PHASES, StepTime, percentile};
 
 /// Lap time over laps, with the best so far and what is known to be possible.
 #[must_use]
-pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
+pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Known>) -> String {
     let mut chart = Chart::new("lap", "lap time [s]");
     chart.x_whole = true;
     let points = |keep: fn(&LapRow) -> bool| -> Vec<(f64, f64)> {
@@ -25,15 +26,15 @@ pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> String {
     chart.series.push(Series::new("learning", "s0", Mark::DotLine, points(LapRow::is_learning)));
     chart.series.push(Series::new("best so far", "best dashed", Mark::Line, so_far));
     if let Some(optimal) = optimal {
-        let label = format!("time-optimal {:.3} s", optimal.lap_time);
-        chart.references.push(Reference { y: optimal.lap_time, label });
+        let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
+        chart.references.push(Reference { y: optimal.lap_time_s, label });
     }
     chart.html()
 }
 
 /// Learned laps only: what the warm-up laps' scale hides.
 #[must_use]
-pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> Option<String> {
+pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Known>) -> Option<String> {
     let learned: Vec<LapRow> =
         laps.iter().filter(|lap| lap.is_learning()).skip(2).cloned().collect();
     (learned.len() > 3).then(|| {
@@ -42,8 +43,8 @@ pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Optimal>) -> O
         let points = learned.iter().map(|l| (f64::from(l.result.lap), l.result.lap_time)).collect();
         chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
         if let Some(optimal) = optimal {
-            let label = format!("time-optimal {:.3} s", optimal.lap_time);
-            chart.references.push(Reference { y: optimal.lap_time, label });
+            let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
+            chart.references.push(Reference { y: optimal.lap_time_s, label });
         }
         chart.html()
     })

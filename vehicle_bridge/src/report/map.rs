@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use vehicle_model::Track;
 
-use super::{LapView, Optimal};
+use super::LapView;
+use crate::optimal::Known;
 use crate::page::escape;
 use crate::race::record::StepRow;
 
@@ -36,7 +37,12 @@ impl SpeedRange {
     /// Of some steps.
     #[must_use]
     pub(super) fn of(steps: &[StepRow]) -> Self {
-        let speeds = || steps.iter().map(|r| r.x.v_x).filter(|v| v.is_finite());
+        Self::among(steps.iter().map(|r| r.x.v_x))
+    }
+
+    /// Of some speeds \[m/s\].
+    fn among(speeds: impl Iterator<Item = f64> + Clone) -> Self {
+        let speeds = || speeds.clone().filter(|v| v.is_finite());
         let least = speeds().fold(f64::INFINITY, f64::min).max(0.0);
         let most = speeds().fold(0.0, f64::max);
         if least < most { Self { least, most } } else { Self { least: 0.0, most: most.max(1.0) } }
@@ -53,24 +59,24 @@ impl SpeedRange {
 pub(super) fn map(
     track: &Track,
     laps: &[LapView<'_>],
-    optimal: Option<&Optimal>,
+    optimal: Option<&Known>,
     off_track: Option<(f64, f64)>,
 ) -> String {
     let all: Vec<StepRow> = laps.iter().flat_map(|lap| lap.steps.iter().copied()).collect();
     let range = SpeedRange::of(&all);
-    let (mut out, size) = ground(track);
+    let (mut out, bounds) = road(track);
     for lap in laps {
         let _ = write!(out, "<g data-lap=\"{}\"><title>{}</title>", lap.number, escape(&lap.title));
         coloured(&lap.closed(), &range, &mut out);
         out.push_str("</g>\n");
     }
     if let Some(optimal) = optimal {
-        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[2])).collect();
+        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[3])).collect();
         let _ = writeln!(
             out,
             "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
             d(&line),
-            optimal.lap_time
+            optimal.lap_time_s
         );
     }
     if let Some((x, y)) = off_track {
@@ -79,7 +85,7 @@ pub(super) fn map(
             "<circle class=\"off\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>here the run \
              failed</title></circle>",
             -y,
-            0.009 * size
+            0.009 * bounds.size()
         );
     }
     out.push_str("</svg>\n");
@@ -90,9 +96,9 @@ pub(super) fn map(
 /// The map of a track with points beside it and circles around places of its centre line.
 #[must_use]
 pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
-    let (mut out, size) = ground(track);
+    let (mut out, bounds) = road(track);
     for (x, y) in points {
-        let radius = 0.001 * size;
+        let radius = 0.001 * bounds.size();
         let _ = writeln!(
             out,
             "<circle class=\"given\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
@@ -100,7 +106,7 @@ pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
         );
     }
     for &s in places {
-        let ((x, y), radius) = (track.position(s), 0.015 * size);
+        let ((x, y), radius) = (track.position(s), 0.015 * bounds.size());
         let _ = writeln!(
             out,
             "<circle class=\"cut\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.4}\"/>",
@@ -111,8 +117,32 @@ pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
     out
 }
 
-/// The beginning of a map, up to the start line, and its size [m].
-fn ground(track: &Track) -> (String, f64) {
+/// A line coloured by speed on the track, as HTML with its colour bar; points are x, y \[m\] and
+/// speed \[m/s\].
+#[must_use]
+pub fn speed_map(track: &Track, line: &[(f64, f64, f64)], title: &str) -> String {
+    let range = SpeedRange::among(line.iter().map(|p| p.2));
+    let (mut out, _) = road(track);
+    let _ = write!(out, "<g><title>{}</title>", escape(title));
+    let mut run: Vec<(f64, f64)> = Vec::new();
+    let mut bin = 0;
+    for &(x, y, speed) in line {
+        run.push((x, y));
+        let next = range.bin(speed);
+        if next != bin {
+            stroke(&run, bin, &mut out);
+            run = vec![(x, y)];
+        }
+        bin = next;
+    }
+    stroke(&run, bin, &mut out);
+    out.push_str("</g>\n</svg>\n");
+    out.push_str(&colour_bar(&range));
+    out
+}
+
+/// The track with its edges, centre line and start, as an open drawing.
+fn road(track: &Track) -> (String, Bounds) {
     let edge = |side: f64| -> Vec<(f64, f64)> {
         (0..EDGE_POINTS)
             .map(|i| {
@@ -136,8 +166,7 @@ fn ground(track: &Track) -> (String, f64) {
         .collect();
     let _ = writeln!(out, "<path class=\"centre\" d=\"{}Z\"/>", d(&centre));
     start(track, bounds.size(), &mut out);
-    let size = bounds.size();
-    (out, size)
+    (out, bounds)
 }
 
 fn at(track: &Track, s: f64, e_y: f64) -> (f64, f64) {

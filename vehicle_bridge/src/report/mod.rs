@@ -1,8 +1,8 @@
 //! The report of a race: one HTML file that needs nothing else.
 
 mod curves;
+mod lost;
 mod map;
-mod optimal;
 mod tables;
 
 use std::fmt::Write as _;
@@ -10,13 +10,13 @@ use std::fmt::Write as _;
 use controller::{Action, Config};
 use vehicle_model::Track;
 
+use crate::optimal::Known;
 use crate::page::{card, escape, page, table};
 use crate::race::record::{Failure, LapRow, StepRow, is_fallback};
 use crate::race::timing::{StepTime, percentile};
 use crate::race::words::kind_word;
 
-pub use map::outline;
-pub use optimal::Optimal;
+pub use map::{outline, speed_map};
 
 /// What a report shows.
 #[derive(Debug)]
@@ -35,6 +35,8 @@ pub struct Report<'a> {
     pub steps: &'a [StepRow],
     /// Their times.
     pub times: &'a [StepTime],
+    /// The time-optimal lap, if it is known.
+    pub optimum: Option<&'a Known>,
     /// How the run failed, if it did.
     pub failure: Option<&'a Failure>,
 }
@@ -73,8 +75,7 @@ impl Report<'_> {
     /// The report as HTML.
     #[must_use]
     pub fn html(&self) -> String {
-        let optimal = Optimal::of(self.track);
-        let optimal = optimal.as_ref();
+        let optimal = self.optimum;
         let views = self.views();
         let off = self.failure.and(self.steps.last()).map(|row| (row.pose.x, row.pose.y));
         let mut body = self.facts(optimal);
@@ -90,9 +91,13 @@ impl Report<'_> {
         body.push_str(&card("Lap times", "", &times));
         let along = self.along();
         let line = |at: usize| optimal.map(|o| o.points.iter().map(|p| (p[0], p[at])).collect());
-        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(1), Vec::new());
-        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(2), Vec::new()));
+        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(2), Vec::new());
+        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(3), Vec::new()));
         body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
+        if let Some(known) = optimal {
+            let note = "Against the time-optimal lap, from the line on.";
+            body.push_str(&card("Time lost", note, &lost::html(&views, known, along.length)));
+        }
         let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
         inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
         body.push_str(&card("Inputs over the lap", "", &inputs));
@@ -158,15 +163,15 @@ impl Report<'_> {
             .collect()
     }
 
-    fn facts(&self, optimal: Option<&Optimal>) -> String {
+    fn facts(&self, optimal: Option<&Known>) -> String {
         let mut facts = Vec::new();
         let learned = self.laps.iter().filter(|lap| lap.is_learning()).count();
         if let Some(best) = best_lap(self.laps) {
             let time = best.result.lap_time;
             facts.push((format!("{time:.3} s"), format!("best, lap {}", best.result.lap), ""));
             if let Some(optimal) = optimal {
-                let ratio = format!("{:.3}", time / optimal.lap_time);
-                facts.push((ratio, format!("times the optimal {:.3} s", optimal.lap_time), ""));
+                let ratio = format!("{:.3}", time / optimal.lap_time_s);
+                facts.push((ratio, format!("times the optimal {:.3} s", optimal.lap_time_s), ""));
             }
         }
         facts.push((learned.to_string(), "laps learned".to_owned(), ""));

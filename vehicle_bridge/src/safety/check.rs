@@ -27,7 +27,8 @@ pub fn decode(bytes: &[u8], arrival_ns: i64, rules: &Rules, host: &str) -> Resul
     if c.h.sender.rsplit('@').next() == Some(host) {
         since_ns = since_ns.min(c.h.mono_ns);
     }
-    if c.state_boot_id == rules.boot_id {
+    let ours = c.state_boot_id == rules.boot_id;
+    if ours {
         since_ns = since_ns.min(c.state_mono_ns);
     }
     let mut plan = [Input::default(); PLAN];
@@ -40,6 +41,7 @@ pub fn decode(bytes: &[u8], arrival_ns: i64, rules: &Rules, host: &str) -> Resul
         seq: c.h.seq,
         arrival_ns,
         since_ns,
+        answers: ours.then_some(c.state_seq),
         token: c.arm_token,
         drives: c.enable && c.mode == ActuationCommand::MODE_DRIVE,
         estop: c.mode == ActuationCommand::MODE_ESTOP,

@@ -42,6 +42,9 @@ pub enum Reject {
     /// Not the grant in force.
     #[error("wrong arm token")]
     Token,
+    /// It answers no state of this bridge, or an old one.
+    #[error("it answers no recent state of this bridge: is another car on this network?")]
+    Unanswered,
 }
 
 /// A decoded command: fixed size, nothing checked yet but its form.
@@ -56,6 +59,8 @@ pub struct Offer {
     /// Oldest time on this host's clock that it is known to stem from: its own stamp if its sender
     /// is on this host, the state it answers if that was ours. \[ns\]
     pub since_ns: i64,
+    /// Sequence number of the state of this bridge it answers, if it is one. \[-\]
+    pub answers: Option<i64>,
     /// Echo of the grant. \[-\]
     pub token: i64,
     /// Whether it asks for driving.

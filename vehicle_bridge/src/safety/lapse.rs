@@ -1,5 +1,7 @@
 //! Why the car is being stopped.
 
+use super::doubt::Suspicion;
+
 /// What made the core leave RUNNING or ARMED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
 pub enum Lapse {
@@ -34,6 +36,12 @@ pub enum Lapse {
     /// The operator.
     #[error("the operator's order")]
     Operator,
+    /// The state or an actuator is doubted.
+    #[error("{0}")]
+    Doubt(Suspicion),
+    /// The bridge is being ended.
+    #[error("the bridge is being ended")]
+    End,
     /// The car failed.
     #[error("the car failed")]
     Car,

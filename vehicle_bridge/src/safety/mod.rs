@@ -6,8 +6,12 @@
 
 mod check;
 mod command;
+mod controllers;
+mod doubt;
 mod lapse;
+mod obey;
 mod order;
+mod published;
 mod rate;
 mod rules;
 mod step;
@@ -18,8 +22,9 @@ mod types;
 
 pub use check::decode;
 pub use command::{Offer, PLAN, Reject};
+pub use doubt::{DoubtLimits, Finding, Reaction, Suspicion};
 pub use lapse::Lapse;
 pub use order::{Denied, Order, OrderKind};
-pub use rules::Rules;
+pub use rules::{Rules, Setup};
 pub use step::{Safety, step};
 pub use types::{Answer, Counts, Event, Output, Phase, Source};

@@ -1,5 +1,7 @@
 //! The operator's orders.
 
+use super::doubt::Suspicion;
+
 /// Highest speed cap taken. \[m/s\]
 pub(super) const MAX_CAP: f64 = 1000.0;
 
@@ -10,6 +12,8 @@ pub enum OrderKind {
     Arm {
         /// Though the car moves.
         moving: bool,
+        /// Boot id of the controller, 0 for the only one. \[-\]
+        controller: i64,
     },
     /// Take the grant away.
     Disarm,
@@ -32,7 +36,7 @@ pub enum OrderKind {
 pub struct Order {
     /// What.
     pub kind: OrderKind,
-    /// The grant it refers to. \[-\]
+    /// The arm token it refers to. \[-\]
     pub token: i64,
     /// The dead man's switch is held. A START with it lasts only while it is repeated with it.
     pub deadman: bool,
@@ -58,9 +62,56 @@ pub enum Denied {
     /// No life sign.
     #[error("no life sign of the controller on HB/lmpc: is `lmpc serve` running?")]
     NoController,
-    /// It has not said which track it drives on.
-    #[error("the controller has not said which track it drives on (MAP/TRACK)")]
-    NoTrack,
+    /// Two controllers are live and none was chosen.
+    #[error(
+        "two controllers are live, {0} and {1}: end one, or choose with \
+         `lmpc operator arm --controller ID`"
+    )]
+    Controllers(i64, i64),
+    /// The controller that was chosen is not live.
+    #[error("controller {wanted} is not live; {heard} is")]
+    OtherController {
+        /// As ordered.
+        wanted: i64,
+        /// One that is live.
+        heard: i64,
+    },
+    /// Its setup is not known.
+    #[error("the controller has not sent its setup (LMPC/SETUP) yet")]
+    NoSetup,
+    /// Another car.
+    #[error(
+        "the controller was set up for another car (parameters {controller:08x}, here \
+         {bridge:08x}): give both the same --car and --nominal-mu"
+    )]
+    Car {
+        /// The controller's.
+        controller: i64,
+        /// The bridge's.
+        bridge: i64,
+    },
+    /// Another period.
+    #[error(
+        "the controller's period is {controller_ms} ms, the bridge expects {bridge_ms} ms: give \
+         both the same configuration"
+    )]
+    Period {
+        /// The controller's. \[ms\]
+        controller_ms: f64,
+        /// The bridge's. \[ms\]
+        bridge_ms: f64,
+    },
+    /// Another configuration.
+    #[error(
+        "the controller's configuration ({controller:08x}) is not the bridge's ({bridge:08x}): \
+         give both the same --config, --preset and --set"
+    )]
+    Config {
+        /// The controller's.
+        controller: i64,
+        /// The bridge's.
+        bridge: i64,
+    },
     /// Another track.
     #[error("the controller drives on track {controller:08x}, the car is on track {car:08x}")]
     Track {
@@ -69,6 +120,9 @@ pub enum Denied {
         /// The car's.
         car: i64,
     },
+    /// The car is where it must not be driven from.
+    #[error("{0}")]
+    Place(Suspicion),
     /// Needs standstill.
     #[error("the car moves at {speed:.2} m/s; it must stand")]
     Moves {

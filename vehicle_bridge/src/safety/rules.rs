@@ -2,8 +2,23 @@
 
 use std::sync::Arc;
 
+use super::doubt::DoubtLimits;
+use super::doubt::response::GRIPS;
 use controller::Tracker;
 use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
+
+/// What a controller, or a bridge, was set up with. A value of 0 is not compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Setup {
+    /// CRC-32 of the track. \[-\]
+    pub track_id: i64,
+    /// CRC-32 of the car's parameters. \[-\]
+    pub car_id: i64,
+    /// CRC-32 of the controller's configuration. \[-\]
+    pub config_id: i64,
+    /// Control period. \[ns\]
+    pub period_ns: i64,
+}
 
 /// Limits and times of a bridge.
 #[derive(Debug, Clone)]
@@ -30,13 +45,17 @@ pub struct Rules {
     pub still: f64,
     /// This start of the bridge, as in its states' headers. \[-\]
     pub boot_id: i64,
-    /// What both ends call the track. \[-\]
-    pub track_id: i64,
+    /// What the controller must be set up with to be armed.
+    pub setup: Setup,
     /// Box, rates and speed cap of what is sent.
     pub limiter: Limiter,
     pub(super) track: Arc<Track>,
     pub(super) tracker: Tracker,
-    pub(super) model: Model,
+    /// When states and actuators are doubted; `None`: never.
+    pub doubt: Option<DoubtLimits>,
+    /// The car where it is slow, and with each share of its grip.
+    pub(super) rolling: Model,
+    pub(super) sliding: [Model; GRIPS.len()],
 }
 
 impl Rules {
@@ -59,11 +78,21 @@ impl Rules {
             start_ns: 1000 * MS,
             still: 0.1,
             boot_id: 0,
-            track_id: crate::network::convert::track_id(track),
+            setup: Setup {
+                track_id: crate::network::convert::track_id(track),
+                car_id: crate::network::convert::car_id(car),
+                config_id: 0,
+                period_ns,
+            },
             limiter: Limiter::new(car),
             track: Arc::clone(track),
             tracker: Tracker::new(car),
-            model: Model::new(ModelKind::Kinematic, car.clone()),
+            doubt: Some(DoubtLimits::new(car, track)),
+            rolling: Model::new(ModelKind::Kinematic, car.clone()),
+            sliding: GRIPS.map(|grip| Model {
+                grip: [grip; 2],
+                ..Model::new(ModelKind::Dynamic, car.clone())
+            }),
         }
     }
 }

@@ -3,8 +3,10 @@
 use vehicle_model::{Input, Limited, State};
 
 use super::command::{Offer, Reject};
+use super::controllers::Controllers;
+use super::doubt::{Doubt, Finding, Reaction, Suspicion};
 use super::lapse::Lapse;
-use super::order::{Denied, MAX_CAP, Order, OrderKind};
+use super::published::Published;
 use super::rate::Rate;
 use super::rules::Rules;
 use super::stop;
@@ -12,34 +14,38 @@ use super::types::{Answer, Counts, Event, Output, Phase, Source};
 
 /// The car's state as last heard.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seen {
-    at_ns: i64,
-    good_since_ns: Option<i64>,
+pub(super) struct Seen {
+    pub(super) at_ns: i64,
+    pub(super) good_since_ns: Option<i64>,
+    pub(super) x: State,
 }
 
 /// Everything the core remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Safety {
-    phase: Phase,
-    token: i64,
-    armed: Option<i64>,
-    seq: Option<i64>,
-    command: Option<Offer>,
-    started_ns: i64,
-    deadman_ns: Option<i64>,
-    seen: Option<Seen>,
-    estimate: State,
-    estimate_ns: i64,
-    pulse: Option<(i64, i64)>,
-    track: Option<(i64, i64)>,
-    speed_cap: Option<f64>,
-    applied: Option<Limited>,
-    source: Source,
-    tick_ns: Option<i64>,
-    sent_ns: Option<i64>,
-    rate: Rate,
-    lapse: Lapse,
-    counts: Counts,
+    pub(super) phase: Phase,
+    pub(super) token: i64,
+    pub(super) armed: Option<i64>,
+    pub(super) seq: Option<i64>,
+    pub(super) command: Option<Offer>,
+    pub(super) started_ns: i64,
+    pub(super) deadman_ns: Option<i64>,
+    pub(super) seen: Option<Seen>,
+    pub(super) estimate: State,
+    pub(super) estimate_ns: i64,
+    pub(super) controllers: Controllers,
+    pub(super) published: Published,
+    pub(super) doubt: Doubt,
+    /// The stop is driven by reckoning: the states are doubted.
+    pub(super) blind: bool,
+    pub(super) speed_cap: Option<f64>,
+    pub(super) applied: Option<Limited>,
+    pub(super) source: Source,
+    pub(super) tick_ns: Option<i64>,
+    pub(super) sent_ns: Option<i64>,
+    pub(super) rate: Rate,
+    pub(super) lapse: Lapse,
+    pub(super) counts: Counts,
 }
 
 /// One event at `now_ns`.
@@ -58,11 +64,23 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Answer::Rejected(Reject::Boot)
         }
         Event::Pulse(boot_id) => {
-            next.pulse = Some((*boot_id, now_ns));
+            next.controllers.on_heartbeat(*boot_id, now_ns);
             Answer::None
         }
-        Event::Track(boot_id, id) => {
-            next.track = Some((*boot_id, *id));
+        Event::Setup(boot_id, setup) => {
+            next.controllers.on_setup(*boot_id, *setup, now_ns);
+            Answer::None
+        }
+        Event::Published(seq) => {
+            next.published.note(*seq, now_ns);
+            Answer::None
+        }
+        Event::End => {
+            match next.phase {
+                Phase::Running => next.leave(Phase::SafeStop, Lapse::End),
+                Phase::Armed => next.leave(Phase::Idle, Lapse::End),
+                _ => {}
+            }
             Answer::None
         }
         Event::Order(order) => match next.obey(rules, order, now_ns) {
@@ -128,14 +146,16 @@ impl Safety {
     /// Counts a refusal; the host calls it for what never became an event.
     pub fn count(&mut self, reject: Reject) {
         match reject {
-            Reject::Boot | Reject::Sequence | Reject::Token => self.counts.old += 1,
+            Reject::Boot | Reject::Sequence | Reject::Token | Reject::Unanswered => {
+                self.counts.old += 1;
+            }
             Reject::Stale => self.counts.stale += 1,
             _ => self.counts.bad += 1,
         }
     }
 
     /// Ends the grant.
-    fn leave(&mut self, to: Phase, why: Lapse) {
+    pub(super) fn leave(&mut self, to: Phase, why: Lapse) {
         self.counts.stops += i64::from(self.phase == Phase::Running);
         self.phase = to;
         self.lapse = why;
@@ -143,7 +163,7 @@ impl Safety {
         self.command = None;
     }
 
-    fn is_fresh(&self, rules: &Rules, now_ns: i64) -> bool {
+    pub(super) fn is_fresh(&self, rules: &Rules, now_ns: i64) -> bool {
         let patience = rules.state_ns + rules.timeout_ns;
         self.seen.is_some_and(|seen| now_ns.saturating_sub(seen.at_ns) <= patience)
     }
@@ -156,7 +176,8 @@ impl Safety {
             then.map_or(NEVER, |then| then.saturating_add(patience))
         };
         let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
-        let heard = from(self.pulse.map(|(_, then)| then), rules.pulse_ns);
+        let beat_ns = self.armed.and_then(|boot_id| self.controllers.beat_ns(boot_id));
+        let heard = from(beat_ns, rules.pulse_ns);
         let running = self.phase == Phase::Running;
         let (due, valid) = match self.command {
             Some(c) => (
@@ -205,12 +226,41 @@ impl Safety {
         let unbroken = self.seen.filter(|_| self.is_fresh(rules, now_ns));
         let since = unbroken.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
         let good_since_ns = (quality >= rules.quality).then_some(since);
-        self.seen = Some(Seen { at_ns: now_ns, good_since_ns });
-        (self.estimate, self.estimate_ns) = (*x, now_ns);
+        let before = self.seen.replace(Seen { at_ns: now_ns, good_since_ns, x: *x });
+        if !self.blind {
+            (self.estimate, self.estimate_ns) = (*x, now_ns);
+        }
+        if let Some(before) = before.filter(|_| self.phase == Phase::Running) {
+            self.question(rules, &before, x, now_ns);
+        }
         if self.phase == Phase::Boot {
             self.phase = Phase::Idle;
         }
         Answer::Accepted
+    }
+
+    /// Doubts a state, and stops the car if it must not be believed.
+    fn question(&mut self, rules: &Rules, before: &Seen, x: &State, now_ns: i64) {
+        let Some(limits) = &rules.doubt else { return };
+        let dt = now_ns.saturating_sub(before.at_ns) as f64 * 1e-9;
+        if dt <= 0.0 {
+            return;
+        }
+        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
+        let finding = self.doubt.on_state(rules, limits, (&before.x, x), applied, dt);
+        if finding.reaction() == Reaction::Stop {
+            let doubted = matches!(finding.what, Suspicion::Position | Suspicion::Heading);
+            if let Some(trusted) = self.doubt.trusted().filter(|_| doubted) {
+                (self.estimate, self.estimate_ns, self.blind) = (trusted, now_ns, true);
+            }
+            self.leave(Phase::SafeStop, Lapse::Doubt(finding.what));
+        }
+    }
+
+    /// The worst doubt of the present drive.
+    #[must_use]
+    pub fn finding(&self) -> Finding {
+        self.doubt.finding
     }
 
     /// A command's checks after its form, in order.
@@ -241,6 +291,12 @@ impl Safety {
         if offer.token != self.token || self.token == 0 {
             return Err(Reject::Token);
         }
+        let answers = |seq: i64| {
+            self.published.is_recent(seq, now_ns, rules.max_age_ns.min(offer.valid_for_ns))
+        };
+        if offer.drives && !offer.answers.is_some_and(answers) {
+            return Err(Reject::Unanswered);
+        }
         if let Some(last) = self.seq {
             self.counts.lost += offer.seq - last - 1;
         }
@@ -259,100 +315,6 @@ impl Safety {
         Ok(())
     }
 
-    fn standstill(&self, rules: &Rules, now_ns: i64) -> Result<(), Denied> {
-        if self.seen.is_none() {
-            return Err(Denied::NoState);
-        }
-        if !self.is_fresh(rules, now_ns) {
-            return Err(Denied::NotFresh);
-        }
-        let speed = self.estimate.v_x.hypot(self.estimate.v_y);
-        if speed < rules.still { Ok(()) } else { Err(Denied::Moves { speed }) }
-    }
-
-    fn obey(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
-        let name = self.phase.name();
-        let latched = matches!(self.phase, Phase::Estop | Phase::Fault);
-        match order.kind {
-            OrderKind::Estop => self.leave(Phase::Estop, Lapse::Operator),
-            OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
-            OrderKind::Reset => {
-                self.standstill(rules, now_ns)?;
-                self.phase = Phase::Idle;
-            }
-            OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
-            OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
-                self.speed_cap = (cap > 0.0).then_some(cap);
-            }
-            OrderKind::SpeedCap(found) => return Err(Denied::Cap { found }),
-            _ if latched => return Err(Denied::Latched(name)),
-            OrderKind::Stop | OrderKind::Disarm => match self.phase {
-                Phase::Running => self.leave(Phase::SafeStop, Lapse::Operator),
-                Phase::Armed => self.leave(Phase::Idle, Lapse::Operator),
-                _ => {}
-            },
-            OrderKind::Arm { moving } => return self.arm(rules, moving, order, now_ns),
-            OrderKind::Start => return self.start(order, now_ns),
-        }
-        Ok(())
-    }
-
-    fn arm(
-        &mut self,
-        rules: &Rules,
-        moving: bool,
-        order: &Order,
-        now_ns: i64,
-    ) -> Result<(), Denied> {
-        match self.phase {
-            Phase::Boot => return Err(Denied::NoState),
-            Phase::Idle => {}
-            // Said again: the grant stands.
-            Phase::Armed => return Ok(()),
-            phase => return Err(Denied::Phase(phase.name())),
-        }
-        match self.standstill(rules, now_ns) {
-            Err(Denied::Moves { .. }) if moving => {}
-            other => other?,
-        }
-        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
-        let good_ns = now_ns.saturating_sub(since);
-        if good_ns < rules.ready_ns {
-            return Err(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
-        }
-        let recent = |(_, then): &(i64, i64)| now_ns.saturating_sub(*then) <= rules.pulse_ns;
-        let (boot_id, _) = self.pulse.filter(recent).ok_or(Denied::NoController)?;
-        let (_, track) =
-            self.track.filter(|(sender, _)| *sender == boot_id).ok_or(Denied::NoTrack)?;
-        if track != rules.track_id {
-            return Err(Denied::Track { controller: track, car: rules.track_id });
-        }
-        self.phase = Phase::Armed;
-        self.token = order.fresh.max(1);
-        (self.armed, self.seq, self.lapse) = (Some(boot_id), None, Lapse::None);
-        Ok(())
-    }
-
-    fn start(&mut self, order: &Order, now_ns: i64) -> Result<(), Denied> {
-        if !matches!(self.phase, Phase::Armed | Phase::Running) {
-            return Err(Denied::NotArmed(self.phase.name()));
-        }
-        if order.token != self.token || self.token == 0 {
-            return Err(Denied::Token { found: order.token });
-        }
-        if self.phase == Phase::Running {
-            match (self.deadman_ns, order.deadman) {
-                (Some(_), true) => self.deadman_ns = Some(now_ns),
-                (Some(_), false) => self.leave(Phase::SafeStop, Lapse::Deadman),
-                (None, _) => {}
-            }
-            return Ok(());
-        }
-        (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
-        self.deadman_ns = order.deadman.then_some(now_ns);
-        Ok(())
-    }
-
     fn tick(&mut self, rules: &Rules, now_ns: i64) {
         let since = |then: Option<i64>| match then {
             Some(then) => now_ns.saturating_sub(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
@@ -365,7 +327,7 @@ impl Safety {
         self.estimate_ns = now_ns;
         self.tick_ns = Some(now_ns);
         if self.phase == Phase::SafeStop && self.standstill(rules, now_ns).is_ok() {
-            self.phase = Phase::Idle;
+            (self.phase, self.blind) = (Phase::Idle, false);
         }
         let driven = match self.phase {
             Phase::Running => {
@@ -382,6 +344,8 @@ impl Safety {
                 (stop::brake(rules, &self.estimate), source)
             }
         };
+        let slow = driven.is_some() && self.doubt.finding.reaction() >= Reaction::SlowDown;
+        let asked = if slow { Input { a: asked.a.min(0.0), ..asked } } else { asked };
         let cap = self.speed_cap.unwrap_or(f64::INFINITY).min(rules.limiter.speed_cap);
         let limiter = vehicle_model::Limiter { speed_cap: cap, ..rules.limiter };
         let applied = limiter.limit(asked, before, self.estimate.v_x, held);

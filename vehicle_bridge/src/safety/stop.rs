@@ -1,6 +1,6 @@
 //! The safe stop: braking along the track, on the latest or the dead-reckoned state.
 
-use vehicle_model::{Input, State};
+use vehicle_model::{Input, Model, State};
 
 use super::rules::Rules;
 
@@ -8,6 +8,10 @@ use super::rules::Rules;
 const HOLD_BELOW: f64 = 0.5;
 /// How hard, as a share of full braking. \[-\]
 const HOLD: f64 = 0.2;
+/// Slower than this, tyres are taken to roll without slip. \[m/s\]
+const ROLL_BELOW: f64 = 1.0;
+/// Longest step of the reckoning. \[s\]
+const STEP: f64 = 0.002;
 
 /// What brings the car to a stand on the track.
 pub(super) fn brake(rules: &Rules, x: &State) -> Input {
@@ -18,13 +22,46 @@ pub(super) fn brake(rules: &Rules, x: &State) -> Input {
     wanted
 }
 
-/// Where the car will be after `dt` \[s\]: a kinematic car, for the time without states.
+/// Where the car will be after `dt` \[s\], for the time without states.
 pub(super) fn reckon(rules: &Rules, x: &State, u: Input, dt: f64) -> State {
-    let rates = rules.model.derivative(x, &u, rules.track.kappa(x.s));
-    let rates = vehicle_model::State::from_vector(&rates.into());
-    let next = State::from_vector(&(x.to_vector() + rates.to_vector() * dt));
-    if !next.is_finite() {
-        return *x;
+    let mut next = *x;
+    let steps = (dt / STEP).ceil().clamp(1.0, 1000.0);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 1000")]
+    for _ in 0..steps as usize {
+        next =
+            roll(rules, &rules.sliding[0], &next, u, (dt / steps, STEP), rules.track.kappa(next.s));
     }
-    State { v_x: next.v_x.max(0.0), s: rules.track.wrap(next.s), ..next }
+    next
+}
+
+/// The state `dt` \[s\] later, in steps of at most `step` \[s\], on a path of curvature `kappa`: the
+/// tyres' model `sliding`, or a car that rolls without slip where it is slow.
+pub(super) fn roll(
+    rules: &Rules,
+    sliding: &Model,
+    x: &State,
+    u: Input,
+    (dt, step): (f64, f64),
+    kappa: f64,
+) -> State {
+    let steps = (dt / step).ceil().clamp(1.0, 100.0);
+    let h = dt / steps;
+    let mut next = *x;
+    let slow_below = ROLL_BELOW.max(rules.rolling.params.blend_speed_high);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 100")]
+    for _ in 0..steps as usize {
+        let model = if next.v_x < slow_below { &rules.rolling } else { sliding };
+        let rate = |x: &State| {
+            let rates = model.derivative(x, &u, kappa);
+            State::from_vector(&rates.into()).to_vector()
+        };
+        let first = rate(&next);
+        let middle = State::from_vector(&(next.to_vector() + first * (0.5 * h)));
+        let after = State::from_vector(&(next.to_vector() + rate(&middle) * h));
+        if !after.is_finite() {
+            break;
+        }
+        next = State { v_x: after.v_x.max(0.0), s: rules.track.wrap(after.s), ..after };
+    }
+    next
 }

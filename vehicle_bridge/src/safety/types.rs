@@ -5,6 +5,7 @@ use vehicle_model::{Limited, State};
 
 use super::command::{Offer, Reject};
 use super::order::{Denied, Order};
+use super::rules::Setup;
 
 /// States of the bridge; their numbers are those of [`Heartbeat`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -73,14 +74,18 @@ pub enum Event<'a> {
     State(State, i8),
     /// A command that passed [`super::decode`].
     Command(&'a Offer),
-    /// A life sign of the controller whose start this is.
+    /// Heartbeat of the controller with this boot id.
     Pulse(i64),
-    /// The controller of this start drives on this track.
-    Track(i64, i64),
+    /// The controller with this boot id was set up so.
+    Setup(i64, Setup),
+    /// The state with this sequence number went out to the controller.
+    Published(i64),
     /// The operator.
     Order(Order),
     /// The car failed.
     CarFailed,
+    /// The bridge is to end: a car that drives is stopped first.
+    End,
     /// Time to act.
     Tick,
     /// The car has the last tick's input. A host that is held up between the two says so, and the

@@ -1,13 +1,13 @@
 //! `runs.csv` and `laps.csv` of a study: every finished run is on disk before the next begins,
 //! and a study that was interrupted goes on from there.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::Write as _;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+use super::csv_file::{append, read, replace};
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -158,48 +158,4 @@ impl Ledger {
         replace(&self.folder.join("runs.csv"), &self.runs)?;
         replace(&self.folder.join("laps.csv"), &self.laps)
     }
-}
-
-/// The rows of a table up to the first that cannot be read; none if there is no table.
-fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
-    match fs::read(path) {
-        Ok(bytes) => {
-            let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-            let mut reader = csv::Reader::from_reader(&bytes[..whole]);
-            Ok(reader.deserialize().map_while(Result::ok).collect())
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
-        Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
-    }
-}
-
-fn encode<T: Serialize>(rows: &[T], header: bool) -> Result<Vec<u8>> {
-    let mut writer = csv::WriterBuilder::new().has_headers(header).from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    Ok(writer.into_inner().map_err(|e| e.into_error())?)
-}
-
-/// Appends rows in one write, so that a kill leaves at most one torn line.
-fn append<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
-    let write = || -> Result<()> {
-        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-        let header = file.metadata()?.len() == 0;
-        file.write_all(&encode(rows, header)?)?;
-        Ok(file.sync_data()?)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// Writes a whole table beside the old one and puts it in its place.
-fn replace<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
-    let write = || -> Result<()> {
-        let next = path.with_extension("csv.new");
-        let mut file = File::create(&next)?;
-        file.write_all(&encode(rows, true)?)?;
-        file.sync_all()?;
-        Ok(fs::rename(&next, path)?)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
 }

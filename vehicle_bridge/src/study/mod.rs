@@ -1,10 +1,12 @@
-//! The studies of the paper, over many seeds.
+//! Studies over many seeds: those of the paper, and cars on tracks.
 
+mod csv_file;
 mod definition;
 mod ledger;
 mod plots;
 mod runs;
 mod table;
+pub mod tracks;
 
 pub use definition::{Cell, Definition, Paper};
 pub use ledger::{Ledger, RunRow, StudyLap};

@@ -10,7 +10,7 @@ use super::definition::{Cell, Definition};
 use super::ledger::{RunRow, StudyLap};
 use crate::race::record::{LapRow, is_fallback};
 use crate::race::words::kind_word;
-use crate::race::{ModelErrorAt, Race, RaceError, RaceOptions, change_plant};
+use crate::race::{ModelErrorAt, Race, RaceError, RaceOptions, TrackLimit, change_plant};
 
 /// The iteration whose lap time the paper reports.
 const REPORTED_ITERATION: u32 = 20;
@@ -46,6 +46,7 @@ impl Plan {
                 plant: plant.clone(),
                 laps,
                 model_error,
+                limit: TrackLimit::CentreOfGravity,
                 ..RaceOptions::new(config, nominal.clone(), Arc::clone(&track))
             };
             let settings = fingerprint(&options);
@@ -90,17 +91,18 @@ fn builtin_track() -> Result<Track> {
 }
 
 /// FNV-1a over everything that is set but the seed, and the version.
-fn fingerprint(options: &RaceOptions) -> String {
+pub(super) fn fingerprint(options: &RaceOptions) -> String {
     let mut config: Config = options.config.clone();
     config.warm_up.seed = 0;
     let text = format!(
-        "{} {config:?} {:?} {:?} {:016x} {} {:?}",
+        "{} {config:?} {:?} {:?} {:016x} {} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         options.nominal,
         options.plant,
         options.track.fingerprint(),
         options.laps,
-        options.model_error
+        options.model_error,
+        options.limit
     );
     let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)

@@ -11,7 +11,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 /// pi/2 in three parts of 33 bits or more: products of the first two with small integers are exact.
 const HALF_PI: [f64; 3] =
     [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
-/// Largest argument that is reduced with these; above it the standard library takes over.
+/// Largest argument that is reduced with these; above it the `libm` crate takes over.
 const LARGEST: f64 = 1e5;
 
 /// Taylor coefficients of (sin r - r)/r^3 in r^2; the next one adds less than 1e-18 at pi/4.
@@ -61,7 +61,7 @@ pub(super) fn sin_cos<T: Real>(x: T) -> (T, T) {
 
     let far = x.abs().above(LARGEST);
     if x.any(far) {
-        return (T::select(far, x.map(f64::sin), sin), T::select(far, x.map(f64::cos), cos));
+        return (T::select(far, x.map(libm::sin), sin), T::select(far, x.map(libm::cos), cos));
     }
     (sin, cos)
 }

@@ -1,17 +1,20 @@
 //! The numbers the equations can be evaluated with.
 //!
 //! Every equation stands once, over a [`Number`]: plain `f64`, several cars side by side in the
-//! lanes of a vector register ([`Lanes`]), or either of them with derivatives ([`Dual`]). All of
+//! lanes of a vector register ([`Lanes`]), either of them with derivatives ([`Dual`]), or `f64`
+//! with second derivatives too ([`Jet`]). All of
 //! them do the same operations in the same order, so that their values agree to the last bit on
 //! every processor. A comparison gives a mask and the result is selected: lanes may disagree.
 
 mod dual;
 mod elementary;
+mod jet;
 mod lanes;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(crate) use dual::Dual;
+pub(crate) use jet::Jet;
 pub(crate) use lanes::Lanes;
 
 /// A number of the equations.

@@ -71,21 +71,24 @@ const fn on() -> bool {
 }
 
 /// The car files that ship with the product.
-const BUILTIN: [(&str, &str); 4] = [
+const BUILTIN: [(&str, &str); 7] = [
     ("barc", include_str!("../../../cars/barc.toml")),
     ("iac", include_str!("../../../cars/iac.toml")),
     ("kart", include_str!("../../../cars/kart.toml")),
     ("mini", include_str!("../../../cars/mini.toml")),
+    ("f1tenth", include_str!("../../../cars/f1tenth.toml")),
+    ("formula_student", include_str!("../../../cars/formula_student.toml")),
+    ("road", include_str!("../../../cars/road.toml")),
 ];
 
 impl CarParams {
     /// Names that [`CarParams::builtin`] knows.
     #[must_use]
-    pub fn builtin_names() -> [&'static str; 4] {
+    pub fn builtin_names() -> [&'static str; 7] {
         BUILTIN.map(|(name, _)| name)
     }
 
-    /// Reads a car that ships with the product: "barc", "iac", "kart" or "mini".
+    /// Reads a car that ships with the product, by one of [`CarParams::builtin_names`].
     ///
     /// # Errors
     /// [`ModelError::UnknownCar`] for any other name.

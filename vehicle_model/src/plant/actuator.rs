@@ -22,6 +22,11 @@ pub(super) struct Actuators {
 }
 
 impl Actuators {
+    /// Actuators that stand here.
+    pub(super) fn at(position: Input) -> Self {
+        Self { queue: VecDeque::new(), position, applied: position }
+    }
+
     /// Takes a command at a time, limited to what the car allows.
     pub(super) fn command(&mut self, car: &CarParams, time: f64, u: Input) {
         let last = self.queue.back().map_or(Input::default(), |(_, u)| *u);
@@ -71,7 +76,7 @@ impl Actuators {
 
 /// Position after a sub-step, and the mean position during it.
 fn moved(from: f64, target: f64, lag: f64, rate: Option<f64>, h: f64) -> (f64, f64) {
-    let wanted = if lag > 0.0 { target + (from - target) * (-h / lag).exp() } else { target };
+    let wanted = if lag > 0.0 { target + (from - target) * libm::exp(-h / lag) } else { target };
     let most = rate.map_or(f64::INFINITY, |rate| rate * h);
     let reached = wanted.clamp(from - most, from + most);
     let way = reached - from;

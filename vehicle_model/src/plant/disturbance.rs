@@ -97,7 +97,7 @@ impl Disturbance {
 
     /// Acceleration by the forces in the body frame of a car with this heading [m/s^2].
     pub(super) fn acceleration(&self, heading: f64, mass: f64) -> [f64; 2] {
-        let (sin, cos) = heading.sin_cos();
+        let (sin, cos) = libm::sincos(heading);
         let [east, north] = self.force_global_n;
         [
             (self.force_body_n[0] + east * cos + north * sin) / mass,

@@ -1,9 +1,9 @@
 //! Sensor noise and the generators behind all noise.
 
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use crate::normal::standard_normal;
 use crate::params::ParamProblem;
 use crate::state::State;
 
@@ -96,6 +96,6 @@ impl NoiseStream {
     }
 
     pub(super) fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.generator)
+        standard_normal(&mut self.generator)
     }
 }

@@ -23,21 +23,21 @@ pub(super) struct Arc {
 
 /// sin(a) / a, continued at 0.
 fn sinc(a: f64) -> f64 {
-    if a.abs() < 1e-8 { 1.0 } else { a.sin() / a }
+    if a.abs() < 1e-8 { 1.0 } else { libm::sin(a) / a }
 }
 
 impl Arc {
     /// Pose (x, y, psi) at distance u from the beginning.
     pub(super) fn pose(&self, u: f64) -> (f64, f64, f64) {
         let half = 0.5 * self.kappa * u;
-        let (sin, cos) = (self.psi + half).sin_cos();
+        let (sin, cos) = libm::sincos(self.psi + half);
         let chord = u * sinc(half);
         (self.x + chord * cos, self.y + chord * sin, self.psi + 2.0 * half)
     }
 
     /// Distance u in [0, length] of the nearest point of the piece.
     pub(super) fn foot(&self, x: f64, y: f64) -> f64 {
-        let (sin, cos) = self.psi.sin_cos();
+        let (sin, cos) = libm::sincos(self.psi);
         let (dx, dy) = (x - self.x, y - self.y);
         let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
         // Around the centre of the circle; the angle is taken nearest to the middle of the arc,
@@ -47,7 +47,7 @@ impl Arc {
             along
         } else {
             let middle = 0.5 * self.kappa * self.length;
-            let angle = (self.kappa * along).atan2(radial);
+            let angle = libm::atan2(self.kappa * along, radial);
             0.5 * self.length + super::frenet::wrap_angle(angle - middle) / self.kappa
         };
         if !(u > 0.0 && u < self.length) {
@@ -56,7 +56,7 @@ impl Arc {
         if self.kappa != 0.0 {
             // The angle around a far centre has lost digits; one Newton step brings them back.
             let (x_u, y_u, psi_u) = self.pose(u);
-            let (sin, cos) = psi_u.sin_cos();
+            let (sin, cos) = libm::sincos(psi_u);
             let (dx, dy) = (x - x_u, y - y_u);
             let stretch = 1.0 - self.kappa * (dy * cos - dx * sin);
             if stretch > 1e-6 {

@@ -56,7 +56,7 @@ impl Chord {
     fn sine(&self, other: &Self) -> f64 {
         let along = |c: &Self| (c.to.x - c.from.x, c.to.y - c.from.y);
         let (a, b) = (along(self), along(other));
-        (a.0 * b.1 - a.1 * b.0).abs() / (a.0.hypot(a.1) * b.0.hypot(b.1))
+        (a.0 * b.1 - a.1 * b.0).abs() / (libm::hypot(a.0, a.1) * libm::hypot(b.0, b.1))
     }
 
     /// Whether the chords have a point in common.

@@ -42,7 +42,7 @@ impl Track {
     #[must_use]
     pub fn to_global(&self, x: &State) -> GlobalState {
         let (x_c, y_c, psi_c) = self.pose(x.s);
-        let (sin, cos) = psi_c.sin_cos();
+        let (sin, cos) = libm::sincos(psi_c);
         GlobalState {
             x: x_c - x.e_y * sin,
             y: y_c + x.e_y * cos,
@@ -113,7 +113,7 @@ impl Track {
     /// The projection of (x, y) whose foot lies at distance u in piece i.
     fn foot(&self, i: usize, u: f64, x: f64, y: f64) -> Projection {
         let (x_c, y_c, heading) = self.path.pose_in(i, u);
-        let (sin, cos) = heading.sin_cos();
+        let (sin, cos) = libm::sincos(heading);
         let e_y = (y - y_c) * cos - (x - x_c) * sin;
         let s = self.wrap(self.path.start_of(i) + u);
         // The end of the lap is its beginning: same point, heading one turn earlier.
@@ -164,7 +164,7 @@ impl Track {
             let u = self.path.foot_in(i, g.x, g.y);
             let foot = self.foot(i, u, g.x, g.y);
             let (x_c, y_c) = self.path.point_in(i, u);
-            let distance = (g.x - x_c).hypot(g.y - y_c);
+            let distance = libm::hypot(g.x - x_c, g.y - y_c);
             // The end of a piece is nearest only where the next piece begins with it.
             let is_foot = distance - foot.e_y.abs() <= 1e-3 * self.max_width;
             if !is_foot || self.beyond_edge(&foot) > 0.0 {
@@ -183,7 +183,7 @@ impl Track {
     fn nearest(&self, x: f64, y: f64) -> (usize, f64) {
         let distance = |i: usize, u: f64| {
             let (x_c, y_c) = self.path.point_in(i, u);
-            (x - x_c).hypot(y - y_c)
+            libm::hypot(x - x_c, y - y_c)
         };
         // No point of a block of pieces is further from its beginning than the block is long.
         let starts = (0..self.path.len()).step_by(BLOCK);

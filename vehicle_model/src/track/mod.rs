@@ -165,6 +165,20 @@ impl Track {
         }
     }
 
+    /// Places in [0, L) where the curvature jumps, in order \[m\]: the ends of the segments of a
+    /// track of straights and arcs. A spline's curvature has no jumps.
+    #[must_use]
+    pub fn curvature_jumps(&self) -> Vec<f64> {
+        let n = self.path.len();
+        let jumps = |i: &usize| {
+            let before = (i + n - 1) % n;
+            let change = self.path.kappa_in(before, self.path.length_of(before))
+                - self.path.kappa_in(*i, 0.0);
+            change.abs() > 1e-6 * self.max_abs_kappa
+        };
+        (0..n).filter(jumps).map(|i| self.path.start_of(i)).collect()
+    }
+
     /// Largest |kappa| of the centre line [1/m].
     #[must_use]
     pub fn max_abs_kappa(&self) -> f64 {

@@ -66,7 +66,7 @@ pub(super) fn fit(points: &[TrackPoint]) -> (Path, Widths) {
     let mut knots = vec![0.0];
     for i in 0..n {
         let (a, b) = (xy[i], xy[(i + 1) % n]);
-        knots.push(knots[i] + (b.0 - a.0).hypot(b.1 - a.1));
+        knots.push(knots[i] + libm::hypot(b.0 - a.0, b.1 - a.1));
     }
     let chordal = Spline::through(knots, &xy);
     let mut s = vec![0.0];
@@ -123,7 +123,7 @@ pub(super) fn build(
 ) -> Result<Track, Vec<TrackError>> {
     // A list that repeats its first point at the end means the same track.
     let points = match points {
-        [first, .., last] if (last.x - first.x).hypot(last.y - first.y) < SAME => {
+        [first, .., last] if libm::hypot(last.x - first.x, last.y - first.y) < SAME => {
             &points[..points.len() - 1]
         }
         _ => points,
@@ -183,7 +183,7 @@ pub(super) fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -
         let (a, b) = (&points[i % n], &points[(i + 1) % n]);
         (b.x - a.x, b.y - a.y)
     };
-    let spacing = |i: usize| chord(i).0.hypot(chord(i).1);
+    let spacing = |i: usize| libm::hypot(chord(i).0, chord(i).1);
     let mut s = 0.0;
     let mut places = Vec::with_capacity(n);
     for (i, p) in points.iter().enumerate() {
@@ -205,7 +205,8 @@ pub(super) fn bad_shape(points: &[TrackPoint], item: &dyn Fn(usize) -> String) -
     }
     for (i, &place) in places.iter().enumerate() {
         let (before, after) = (chord(i + n - 1), chord(i));
-        let turn = wrap_angle(after.1.atan2(after.0) - before.1.atan2(before.0)).abs();
+        let turn =
+            wrap_angle(libm::atan2(after.1, after.0) - libm::atan2(before.1, before.0)).abs();
         // The ends of an open list say nothing about its points.
         let spacing = spacing((i + n - 1) % n).max(spacing(i));
         // Between two points the path is known to about a sagitta, spacing * turn / 8.

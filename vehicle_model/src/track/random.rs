@@ -47,7 +47,7 @@ impl Scale {
     /// The lengths of this car.
     fn of(car: &CarParams) -> Self {
         let width = WIDTH * car.width;
-        let lock = car.wheelbase() / car.delta_max.tan();
+        let lock = car.wheelbase() / libm::tan(car.delta_max);
         let radius = (LEAST_RADIUS.0 * lock).max(LEAST_RADIUS.1 * width);
         let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
         // The square of the cornering speed, in that of a fast car.
@@ -119,7 +119,7 @@ fn polygon(rng: &mut Pcg64Mcg, scale: &Scale) -> Vec<Corner> {
         .map(|k| {
             let angle = side * TAU * (k as f64 + between(rng, (-0.3, 0.3))) / count as f64;
             let distance = size * between(rng, CORNER);
-            corner(rng, distance * angle.cos(), distance * angle.sin())
+            corner(rng, distance * libm::cos(angle), distance * libm::sin(angle))
         })
         .collect();
     let mut corners = Vec::new();
@@ -127,7 +127,7 @@ fn polygon(rng: &mut Pcg64Mcg, scale: &Scale) -> Vec<Corner> {
         let b = around[(k + 1) % count];
         corners.push(*a);
         let (dx, dy) = (b.x - a.x, b.y - a.y);
-        let length = dx.hypot(dy);
+        let length = libm::hypot(dx, dy);
         if length > CHICANE.0 * scale.radius && rng.random::<f64>() < CHICANE.1 {
             let side = if rng.random::<bool>() { 1.0 } else { -1.0 };
             let off = side * scale.width * between(rng, CHICANE_WIDTHS) / length;
@@ -151,14 +151,14 @@ fn rounded(corners: &[Corner], scale: &Scale) -> Option<Vec<Segment>> {
         let (a, b) = (&corners[i % n], &corners[(i + 1) % n]);
         (b.x - a.x, b.y - a.y)
     };
-    let length = |i: usize| edge(i).0.hypot(edge(i).1);
+    let length = |i: usize| libm::hypot(edge(i).0, edge(i).1);
     // The arc at corner i: signed radius, turn, and how much of both edges it takes.
     let mut arcs = Vec::with_capacity(n);
     for (i, corner) in corners.iter().enumerate() {
         let (before, after) = (edge(i + n - 1), edge(i));
-        let turn = wrap_angle(after.1.atan2(after.0) - before.1.atan2(before.0));
+        let turn = wrap_angle(libm::atan2(after.1, after.0) - libm::atan2(before.1, before.0));
         let room = 0.45 * length((i + n - 1) % n).min(length(i));
-        let half = (0.5 * turn.abs()).tan();
+        let half = libm::tan(0.5 * turn.abs());
         let radius = corner.radius.min(room / half);
         if turn.abs() > MOST_TURN || radius < scale.radius {
             return None;
@@ -194,7 +194,7 @@ fn keeps_apart(track: &Track, width: f64) -> bool {
     places.iter().enumerate().all(|(i, a)| {
         places[..i].iter().enumerate().all(|(j, b)| {
             let along = (i - j).min(n - (i - j)) as f64 * step;
-            along < NEIGHBOURS * width || (a.0 - b.0).hypot(a.1 - b.1) > CLEARANCE * width
+            along < NEIGHBOURS * width || libm::hypot(a.0 - b.0, a.1 - b.1) > CLEARANCE * width
         })
     })
 }

@@ -85,7 +85,7 @@ pub(super) fn build(
         let tight = too_tight(from, kappa, start);
         problems.extend(tight.or_else(|| too_tight(Place { s, x, y }, kappa, end)));
     }
-    let (gap, turn) = (x.hypot(y), wrap_angle(psi));
+    let (gap, turn) = (libm::hypot(x, y), wrap_angle(psi));
     if problems.is_empty() && (gap > CLOSURE || turn.abs() > CLOSURE) {
         let end = Place { s, x, y };
         problems.push(TrackError::Open { end, gap, turn, tolerance: CLOSURE });

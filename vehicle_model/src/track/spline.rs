@@ -48,10 +48,10 @@ impl Spline {
         let h: Vec<f64> = knots.windows(2).map(|k| k[1] - k[0]).collect();
         let x = coefficients(&h, &points.iter().map(|p| p.0).collect::<Vec<_>>());
         let y = coefficients(&h, &points.iter().map(|p| p.1).collect::<Vec<_>>());
-        let mut psi = y[0][1].atan2(x[0][1]);
+        let mut psi = libm::atan2(y[0][1], x[0][1]);
         let mut pieces = Vec::with_capacity(h.len());
         for (x, y) in x.into_iter().zip(y) {
-            psi += wrap_angle(y[1].atan2(x[1]) - psi);
+            psi += wrap_angle(libm::atan2(y[1], x[1]) - psi);
             pieces.push(Piece { x, y, psi });
         }
         Self { knots, pieces }
@@ -89,7 +89,7 @@ impl Spline {
         let (x, dx, _) = cubic(&piece.x, u);
         let (y, dy, _) = cubic(&piece.y, u);
         let (dx_0, dy_0) = (piece.x[1], piece.y[1]);
-        let turn = (dx_0 * dy - dy_0 * dx).atan2(dx_0 * dx + dy_0 * dy);
+        let turn = libm::atan2(dx_0 * dy - dy_0 * dx, dx_0 * dx + dy_0 * dy);
         (x, y, piece.psi + turn)
     }
 
@@ -101,7 +101,7 @@ impl Spline {
     /// Length of the tangent vector at distance u in piece i; 1 where the parameter is the arc
     /// length.
     pub(super) fn speed_in(&self, i: usize, u: f64) -> f64 {
-        cubic(&self.pieces[i].x, u).1.hypot(cubic(&self.pieces[i].y, u).1)
+        libm::hypot(cubic(&self.pieces[i].x, u).1, cubic(&self.pieces[i].y, u).1)
     }
 
     /// Curvature (x' y'' - y' x'') / (x'^2 + y'^2)^(3/2) at distance u in piece i [1/m].

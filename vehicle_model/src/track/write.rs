@@ -38,7 +38,7 @@ impl Track {
 pub fn points_to_toml(name: &str, points: &[TrackPoint], origin: Option<Origin>) -> String {
     let n = points.len();
     let length = (0..n).map(|i| (points[i], points[(i + 1) % n]));
-    let length: f64 = length.map(|(a, b)| (b.x - a.x).hypot(b.y - a.y)).sum();
+    let length: f64 = length.map(|(a, b)| libm::hypot(b.x - a.x, b.y - a.y)).sum();
     let mut text = head(name, length);
     if let Some(Origin { latitude, longitude, height }) = origin {
         let _ = writeln!(

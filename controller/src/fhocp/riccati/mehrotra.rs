@@ -8,8 +8,8 @@ use super::barrier::Barrier;
 use super::hull::Hull;
 use super::recursion::{Gain, Model, backward, costates, factor, forward};
 use super::report;
-use super::rows::{Point, Rows, quantities};
-use super::stage::{Curvature, Gradient, penalty};
+use super::rows::{FRONT, Point, REAR, Rows, quantities};
+use super::stage::{At, Curvature, Gradient, penalty};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
 
@@ -32,6 +32,9 @@ const REDUCED_TOLERANCE: f64 = 1e-5;
 /// A last step of the first input by more than this is followed by another: where the cost is flat
 /// its gap says little of the input, and the input is what is applied. [m/s^2, rad]
 const SETTLED: f64 = 3e-4;
+/// Error below which an iterate is solved if the next one is worse and the first input has settled:
+/// the rounding errors of a long horizon's costates then exceed what is left to gain.
+const STALLED: f64 = 1e-5;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
@@ -101,17 +104,22 @@ impl Work {
         let mut running = true;
         let mut least = f64::INFINITY;
         let mut since = 0;
+        let mut input_settled = false;
         let mut iterations = 0;
         while running {
             let residuals = self.residuals(problem);
             let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
             if error < least {
                 (least, since) = (error, 0);
+                input_settled = iterations > 0 && self.direction.u[0].amax() <= SETTLED;
                 self.best.copy(&self.point);
             } else {
                 since += 1;
             }
-            let settled = since > 0 || iterations > 0 && self.direction.u[0].amax() <= SETTLED;
+            let settled = since > 0 || input_settled;
+            if since > 0 && least <= STALLED && input_settled {
+                break;
+            }
             // An error that is not finite fails every comparison.
             if least <= config.tolerance && settled || !error.is_finite() || since > PATIENCE {
                 break;
@@ -122,7 +130,8 @@ impl Work {
             iterations += 1;
             running = self.iterate(problem, config);
         }
-        let status = if least <= config.tolerance {
+        let stalled = least <= STALLED && input_settled;
+        let status = if least <= config.tolerance || stalled {
             SolveStatus::Solved
         } else if least <= REDUCED_TOLERANCE {
             SolveStatus::AlmostSolved
@@ -178,7 +187,7 @@ impl Work {
         let hull = self.rows.hull();
         for (t, curvature) in self.curvature.iter_mut().enumerate() {
             *curvature =
-                Curvature::of(problem, &self.rows, self.rows.stage(t, &self.barrier.sigma));
+                Curvature::of(problem, t, &self.rows, self.rows.stage(t, &self.barrier.sigma));
         }
         if !self.hull.factor(&self.barrier.sigma[hull..]) {
             return false;
@@ -194,8 +203,11 @@ impl Work {
         let mut u_before = problem.u_prev;
         for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
         {
-            let (u, pull) = (&self.point.u[t], self.rows.stage(t, &self.barrier.pull));
-            *gradient = Gradient::of(problem, &self.rows, pull, u, &u_before, &self.point.s[t]);
+            let (x, u) = (&self.point.x, &self.point.u[t]);
+            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
+            let pull = self.rows.stage(t, &self.barrier.pull);
+            let at = At { u: *u, u_before, s: self.point.s[t], y };
+            *gradient = Gradient::of(problem, t, &self.rows, pull, &at);
             curvature.eliminate(gradient);
             u_before = *u;
         }
@@ -249,10 +261,16 @@ impl Work {
             let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
             let z = self.rows.stage(t, &self.barrier.z);
             let (u, s) = (&self.point.u[t], &self.point.s[t]);
-            let gradient = Gradient::of(problem, &self.rows, z, u, &u_before, s);
+            let x = &self.point.x;
+            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
+            let at = At { u: *u, u_before, s: *s, y };
+            let gradient = Gradient::of(problem, t, &self.rows, z, &at);
             let du = u - u_before;
             cost += problem.input_cost.dot(&u.component_mul(u))
                 + problem.rate_cost.dot(&du.component_mul(&du));
+            for (k, row) in [(REAR, &problem.rear[t]), (FRONT, &problem.front[t])] {
+                cost += row.weight * (y[k] + row.offset - row.reference).powi(2);
+            }
             for ((linear, quadratic), s) in penalty.iter().zip(s) {
                 cost += (linear + quadratic * s) * s;
             }

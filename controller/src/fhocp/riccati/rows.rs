@@ -192,7 +192,7 @@ impl Rows {
             ] {
                 self.write(out, k, [max - row.offset, max + row.offset, 0.0]);
             }
-            self.write(out, SPEED, [problem.speed_max, 0.0, 0.0]);
+            self.write(out, SPEED, [problem.speed_max[t], 0.0, 0.0]);
         }
         hull.fill(0.0);
     }
@@ -207,7 +207,7 @@ impl Rows {
             self.write(out, LANE, [problem.e_y_max[t] - problem.e_y_min[t]; 3]);
             self.write(out, REAR, [2.0 * problem.rear_max; 3]);
             self.write(out, FRONT, [2.0 * problem.front_max; 3]);
-            self.write(out, SPEED, [problem.speed_max; 3]);
+            self.write(out, SPEED, [problem.speed_max[t]; 3]);
             for width in out {
                 *width = width.abs().max(LEAST_WIDTH);
             }

@@ -60,7 +60,7 @@ pub(super) fn penalty(problem: &Fhocp) -> [(f64, f64); SOFT] {
 impl Curvature {
     /// Curvature of a stage from the sigma of its rows.
     #[inline(always)]
-    pub(super) fn of(problem: &Fhocp, rows: &Rows, sigma: &[f64]) -> Self {
+    pub(super) fn of(problem: &Fhocp, t: usize, rows: &Rows, sigma: &[f64]) -> Self {
         let mut out = Self::default();
         for i in 0..NU {
             out.input[i] = 2.0 * problem.input_cost[i] + sigma[2 * i] + sigma[2 * i + 1];
@@ -74,6 +74,8 @@ impl Curvature {
                 out.soft[k] = ((h + g) * own + 4.0 * h * g) * out.inverse[k];
             }
         }
+        out.soft[REAR] += 2.0 * problem.rear[t].weight;
+        out.soft[FRONT] += 2.0 * problem.front[t].weight;
         out
     }
 
@@ -92,17 +94,23 @@ impl Curvature {
     }
 }
 
+/// Where a stage's gradient is taken.
+pub(super) struct At {
+    /// Input of the stage.
+    pub(super) u: Vector2<f64>,
+    /// Input of the stage before.
+    pub(super) u_before: Vector2<f64>,
+    /// Slacks.
+    pub(super) s: [f64; SOFT],
+    /// Soft quantities without their constant parts.
+    pub(super) y: [f64; SOFT],
+}
+
 impl Gradient {
     /// Gradient of the Lagrangian of a stage, given the multipliers (or pulls) of its rows.
     #[inline(always)]
-    pub(super) fn of(
-        problem: &Fhocp,
-        rows: &Rows,
-        multipliers: &[f64],
-        u: &Vector2<f64>,
-        u_before: &Vector2<f64>,
-        s: &[f64; SOFT],
-    ) -> Self {
+    pub(super) fn of(problem: &Fhocp, t: usize, rows: &Rows, multipliers: &[f64], at: &At) -> Self {
+        let At { u, u_before, s, y } = at;
         let mut out = Self::default();
         for i in 0..NU {
             out.input[i] =
@@ -115,6 +123,9 @@ impl Gradient {
                 out.soft[k] = high - low;
                 out.slack[k] = linear + 2.0 * quadratic * s[k] - (high + low + slack);
             }
+        }
+        for (k, row) in [(REAR, &problem.rear[t]), (FRONT, &problem.front[t])] {
+            out.soft[k] += row.pull(y[k] + row.offset);
         }
         out
     }

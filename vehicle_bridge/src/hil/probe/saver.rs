@@ -94,7 +94,7 @@ fn written(path: &Path) -> Option<SystemTime> {
 }
 
 fn controller() -> Result<Controller> {
-    let mut config = Config::from_toml(Config::of_car("barc").unwrap_or_default())?;
+    let mut config = Config::default();
     config.warm_up.laps = 1;
     let nominal = load::car("barc")?.with_mu(1.2);
     Ok(Controller::new(config, nominal, load::track("l")?)?)

@@ -22,6 +22,7 @@ fn command() -> ActuationCommand {
             ..Header::default()
         },
         state_boot_id: BRIDGE,
+        state_seq: 7,
         state_mono_ns: NOW - 9 * MS,
         valid_for_us: 250_000,
         arm_token: 42,
@@ -53,8 +54,10 @@ fn running(rules: &Rules) -> Safety {
         (Event::State(State::default(), 2), NOW - 100 * MS),
         (Event::State(State::default(), 2), NOW),
         (Event::Pulse(CONTROLLER), NOW),
-        (Event::Track(CONTROLLER, rules.track_id), NOW),
-        (Event::Order(order(OrderKind::Arm { moving: false })), NOW),
+        (Event::Setup(CONTROLLER, rules.setup), NOW),
+        (Event::Published(6), NOW - 9 * MS),
+        (Event::Published(7), NOW - 8 * MS),
+        (Event::Order(order(OrderKind::Arm { moving: false, controller: 0 })), NOW),
         (Event::Order(order(OrderKind::Start)), NOW),
         (Event::Command(&first), NOW),
     ];
@@ -96,6 +99,7 @@ fn a_whole_command_becomes_the_offer_it_says() {
         seq: 1,
         arrival_ns: NOW,
         since_ns: NOW - 9 * MS,
+        answers: Some(7),
         token: 42,
         drives: true,
         estop: false,
@@ -188,7 +192,7 @@ fn ages_by_every_stamp_of_this_host_and_none_of_another() {
     assert_eq!(aged("lmpc@here", BRIDGE, 101, 0), stale, "its own stamp");
     assert_eq!(aged("lmpc@there", BRIDGE, 101, 0), Ok(()), "another host's clock");
     assert_eq!(aged("lmpc@there", BRIDGE, 0, 101), stale, "the state it answers");
-    assert_eq!(aged("lmpc@there", 6, 0, 101), Ok(()), "the state of another bridge");
+    assert_eq!(aged("lmpc@there", 6, 0, 101), Err(Reject::Unanswered), "another bridge's");
     // A stamp from the future makes nothing younger.
     let offer = |c: &ActuationCommand| decode(&bytes(c), NOW, &rules_here(), HERE).unwrap();
     let mut c = command();
@@ -199,7 +203,7 @@ fn ages_by_every_stamp_of_this_host_and_none_of_another() {
 #[test]
 fn each_check_names_what_it_found() {
     type Damage = fn(&mut ActuationCommand);
-    let cases: [(Damage, Reject); 18] = [
+    let cases: [(Damage, Reject); 23] = [
         (|c| c.accel = f64::NAN, Reject::NotFinite),
         (|c| c.steer = f64::INFINITY, Reject::NotFinite),
         (|c| c.plan_accel[1] = f32::NAN, Reject::NotFinite),
@@ -218,6 +222,11 @@ fn each_check_names_what_it_found() {
         (|c| c.h.seq = 0, Reject::Sequence),
         (|c| c.h.seq = 101, Reject::Sequence),
         (|c| c.arm_token = 41, Reject::Token),
+        (|c| c.state_boot_id = 6, Reject::Unanswered),
+        (|c| c.state_boot_id = 0, Reject::Unanswered),
+        (|c| c.state_seq = 8, Reject::Unanswered),
+        (|c| c.state_seq = 5, Reject::Unanswered),
+        (|c| c.state_seq = -121, Reject::Unanswered),
     ];
     for (n, (damage, expected)) in cases.into_iter().enumerate() {
         let mut c = command();

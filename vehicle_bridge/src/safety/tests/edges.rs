@@ -87,13 +87,15 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
     tell(moving, 900);
     tell(moving, 1000);
     tell(Event::Pulse(CONTROLLER), 1000);
-    tell(Event::Track(CONTROLLER, rules.track_id), 1000);
+    tell(Event::Setup(CONTROLLER, rules.setup), 1000);
+    tell(Event::Published(3), 1000);
     tell(order(OrderKind::SpeedCap(1.5)), 1000);
-    tell(order(OrderKind::Arm { moving: true }), 1000);
+    tell(order(OrderKind::Arm { moving: true, controller: 0 }), 1000);
     tell(order(OrderKind::Start), 1000);
     let offer = Offer {
         boot_id: CONTROLLER,
         token: 9,
+        answers: Some(3),
         since_ns: 1000 * MS,
         input: Input { a: 1.0, delta: 0.0 },
         ..offer()
@@ -140,10 +142,10 @@ fn an_input_that_came_late_is_followed_by_as_much_less() {
 #[test]
 fn a_reckoned_car_does_not_roll_backwards_and_stays_on_the_lap() {
     let rules = rules();
-    let x = State { v_x: 0.01, s: rules.track.length() - 1e-4, ..State::default() };
-    let next = reckon(&rules, &x, Input { a: -2.0, delta: 0.0 }, 0.1);
+    let x = State { v_x: 0.5, s: rules.track.length() - 1e-3, ..State::default() };
+    let next = reckon(&rules, &x, Input { a: -2.0, delta: 0.0 }, 0.5);
     assert_eq!(next.v_x, 0.0);
-    assert!((0.0..0.01).contains(&next.s), "{next:?}");
+    assert!((0.0..0.1).contains(&next.s), "{next:?}");
     // What cannot be reckoned stays as it was.
     assert_eq!(reckon(&rules, &x, Input { a: f64::NAN, delta: 0.0 }, 0.1), x);
 }
@@ -170,7 +172,7 @@ fn a_car_stands_below_the_limit_and_not_at_it() {
     let arm = |speed: f64| {
         let moving = State { v_x: 0.6 * speed, v_y: 0.8 * speed, ..State::default() };
         let (safety, _) = step(&rules, &Safety::default(), &Event::State(moving, 2), MS);
-        let kind = OrderKind::Arm { moving: false };
+        let kind = OrderKind::Arm { moving: false, controller: 0 };
         let order = Event::Order(Order { kind, token: 0, deadman: false, fresh: 1 });
         step(&rules, &safety, &order, MS).1.answer
     };
@@ -191,14 +193,20 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
         (safety, output.answer)
     };
     let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
-    let arm = OrderKind::Arm { moving: false };
+    let arm = OrderKind::Arm { moving: false, controller: 0 };
     let still = Event::State(State::default(), 2);
     tell(still, 900);
     tell(still, 1000);
-    tell(Event::Track(CONTROLLER, rules.track_id), 1000);
+    tell(Event::Setup(CONTROLLER, rules.setup), 1000);
     tell(Event::Pulse(OTHER), 1000);
     tell(Event::Pulse(CONTROLLER), 1000);
-    assert_eq!(tell(order(arm), 1000).1, Answer::Accepted, "of two, the newest");
+    let two = Denied::Controllers(CONTROLLER, OTHER);
+    assert_eq!(tell(order(arm), 1000).1, Answer::Denied(two), "of two, none by itself");
+    let chosen = |controller| order(OrderKind::Arm { moving: false, controller });
+    let other = Denied::OtherController { wanted: 5, heard: CONTROLLER };
+    assert_eq!(tell(chosen(5), 1000).1, Answer::Denied(other));
+    assert_eq!(tell(chosen(OTHER), 1000).1, Answer::Denied(Denied::NoSetup));
+    assert_eq!(tell(chosen(CONTROLLER), 1000).1, Answer::Accepted);
     let refused = Answer::Rejected(Reject::Boot);
     for (n, at_ms) in (1010..=1150).step_by(10).enumerate() {
         tell(still, at_ms);
@@ -209,8 +217,9 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     // The armed controller's are missed as without it.
     let (safety, answer) = tell(Event::Pulse(OTHER), 1151);
     assert_eq!((safety.phase(), safety.lapse()), (Phase::Idle, Lapse::Pulse));
-    assert_eq!(answer, Answer::None, "in IDLE the newest is taken");
-    tell(Event::Track(OTHER, rules.track_id), 1152);
+    assert_eq!(answer, Answer::None, "in IDLE each is taken");
+    tell(Event::Setup(OTHER, rules.setup), 1152);
+    let arm = OrderKind::Arm { moving: false, controller: OTHER };
     assert_eq!(tell(order(arm), 1152).1, Answer::Accepted);
     assert_eq!(tell(order(OrderKind::Start), 1153).1, Answer::Accepted);
     assert_eq!(tell(Event::Pulse(CONTROLLER), 1154).1, refused, "nor while it drives");
@@ -226,4 +235,90 @@ fn a_state_is_called_by_its_number() {
         assert_eq!((phase.name(), Phase::name_of(phase as i8)), (name, name));
     }
     assert_eq!(Phase::name_of(i8::MAX), "unknown");
+}
+
+/// A core that runs by the token 9, deadline of commands far away.
+fn running(rules: &Rules) -> Safety {
+    let mut safety = Safety::default();
+    let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
+    let start = Order { kind: OrderKind::Start, token: 9, deadman: false, fresh: 9 };
+    let still = Event::State(State::default(), 2);
+    for (event, at_ms) in [
+        (still, 900),
+        (still, 1000),
+        (Event::Pulse(CONTROLLER), 1000),
+        (Event::Setup(CONTROLLER, rules.setup), 1000),
+        (order(OrderKind::Arm { moving: false, controller: 0 }), 1000),
+        (Event::Order(start), 1000),
+    ] {
+        safety = step(rules, &safety, &event, at_ms * MS).0;
+    }
+    assert_eq!(safety.phase(), Phase::Running);
+    safety
+}
+
+#[test]
+fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
+    let rules = rules();
+    let mut safety = running(&rules);
+    let start =
+        |deadman| Event::Order(Order { kind: OrderKind::Start, token: 9, deadman, fresh: 9 });
+    let mut tell = |event: Event<'_>, at_ms: i64| {
+        let (next, output) = step(&rules, &safety, &event, at_ms * MS);
+        safety = next;
+        (safety.phase(), safety.lapse(), output.answer)
+    };
+    let still = Event::State(State::default(), 2);
+    assert_eq!(tell(start(false), 1010).0, Phase::Running, "said again");
+    assert_eq!(tell(start(true), 1020), (Phase::Running, Lapse::None, Answer::Accepted));
+    tell(still, 1100);
+    assert_eq!(tell(still, 1120).0, Phase::Running);
+    assert_eq!(tell(still, 1121), (Phase::SafeStop, Lapse::Deadman, Answer::Accepted));
+}
+
+#[test]
+fn a_bridge_that_ends_stops_the_car_first() {
+    let rules = rules();
+    let safety = running(&rules);
+    let ended = step(&rules, &safety, &Event::End, 1010 * MS).0;
+    assert_eq!((ended.phase(), ended.lapse()), (Phase::SafeStop, Lapse::End));
+    assert_eq!((ended.token(), ended.counts().stops), (0, 1));
+    let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
+    let idle = step(&rules, &ended, &Event::Tick, 1011 * MS).0;
+    assert_eq!(idle.phase(), Phase::Idle, "it stands");
+    let armed =
+        step(&rules, &idle, &order(OrderKind::Arm { moving: false, controller: 0 }), 1012 * MS).0;
+    assert_eq!(armed.phase(), Phase::Armed);
+    assert_eq!(step(&rules, &armed, &Event::End, 1013 * MS).0.phase(), Phase::Idle);
+    let stopped = step(&rules, &armed, &order(OrderKind::Estop), 1013 * MS).0;
+    assert_eq!(step(&rules, &stopped, &Event::End, 1014 * MS).0, stopped, "it stays latched");
+}
+
+#[test]
+fn a_controller_is_armed_only_with_the_bridges_own_setup() {
+    let mut rules = rules();
+    rules.setup.config_id = 4;
+    let mut idle = Safety::default();
+    let still = Event::State(State::default(), 2);
+    for (event, at_ms) in [(still, 900), (still, 1000), (Event::Pulse(CONTROLLER), 1000)] {
+        idle = step(&rules, &idle, &event, at_ms * MS).0;
+    }
+    let arm = OrderKind::Arm { moving: false, controller: 0 };
+    let arm = Event::Order(Order { kind: arm, token: 0, deadman: false, fresh: 9 });
+    let armed = |setup: Setup| {
+        let told = step(&rules, &idle, &Event::Setup(CONTROLLER, setup), 1000 * MS).0;
+        match step(&rules, &told, &arm, 1000 * MS).1.answer {
+            Answer::Denied(denied) => word(&denied),
+            answer => word(&answer),
+        }
+    };
+    let ours = rules.setup;
+    assert_eq!(armed(ours), "Accepted");
+    assert_eq!(armed(Setup { track_id: ours.track_id + 1, ..ours }), "Track");
+    assert_eq!(armed(Setup { track_id: 0, ..ours }), "Track", "which track is always compared");
+    assert_eq!(armed(Setup { car_id: ours.car_id + 1, ..ours }), "Car");
+    assert_eq!(armed(Setup { period_ns: ours.period_ns + 1, ..ours }), "Period");
+    assert_eq!(armed(Setup { config_id: ours.config_id + 1, ..ours }), "Config");
+    let unknown = Setup { car_id: 0, period_ns: 0, config_id: 0, ..ours };
+    assert_eq!(armed(unknown), "Accepted", "what a controller does not know is not compared");
 }

@@ -39,7 +39,9 @@ const MOODS: [Mood; 11] = [
 enum Plan {
     State,
     Pulse,
-    Track,
+    Setup,
+    Published,
+    End,
     Command,
     Rest,
     Order(OrderKind, bool),
@@ -62,6 +64,7 @@ pub(super) struct Generator {
     queue: VecDeque<Plan>,
     deadman: bool,
     sender: i64,
+    published: i64,
 }
 
 impl Generator {
@@ -73,6 +76,7 @@ impl Generator {
             queue: VecDeque::new(),
             deadman: false,
             sender: CONTROLLER,
+            published: 0,
         }
     }
 
@@ -97,7 +101,7 @@ impl Generator {
         let chaos = mood == Mood::Chaos;
         if n % 3 == 0 && mood != Mood::NoPulses {
             self.queue.push_back(Plan::Pulse);
-            self.queue.push_back(Plan::Track);
+            self.queue.push_back(Plan::Setup);
         }
         let often = if mood == Mood::Chaos { 12 } else { 4 };
         let kind = match phase {
@@ -107,7 +111,7 @@ impl Generator {
                 OrderKind::Disarm,
                 OrderKind::Unknown(99),
                 OrderKind::Reset,
-                OrderKind::Arm { moving: true },
+                OrderKind::Arm { moving: true, controller: 0 },
             ]
             .get(n % 6)
             .copied(),
@@ -115,11 +119,12 @@ impl Generator {
                 Some(OrderKind::SpeedCap([0.0, 1000.0, 1e4, -1.0, 2.0, 0.5, f64::NAN][n % 7]))
             }
             _ if !self.once_in(often) => None,
-            Phase::Boot | Phase::Idle => Some(OrderKind::Arm { moving: n % 9 == 0 }),
+            Phase::Boot | Phase::Idle => Some(OrderKind::Arm { moving: n % 9 == 0, controller: 0 }),
             // What ends ARMED alone needs time.
             Phase::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
             Phase::Armed => Some(OrderKind::Start),
             Phase::Fault | Phase::Estop => Some(OrderKind::Reset),
+            Phase::SafeStop if self.once_in(60) => Some(OrderKind::Estop),
             Phase::Running | Phase::SafeStop => None,
         };
         if phase == Phase::Armed {
@@ -154,6 +159,12 @@ impl Generator {
             self.queue.push_back(Plan::State);
         }
         self.queue.push_back(Plan::Tick);
+        if n % 16 != 3 {
+            self.queue.push_back(Plan::Published);
+        }
+        if chaos && self.once_in(60) {
+            self.queue.push_back(Plan::End);
+        }
         if n % 8 != 0 {
             self.queue.push_back(Plan::Sent);
         }
@@ -209,12 +220,33 @@ impl Generator {
                 Event::State(State { v_x, s, ..State::default() }, quality)
             }
             Plan::Pulse => Event::Pulse(if odd { OTHER } else { self.sender }),
-            Plan::Track => {
-                let on = if odd { rules.track_id + 1 } else { rules.track_id };
-                Event::Track(if self.once_in(12) { OTHER } else { self.sender }, on)
+            Plan::Setup => {
+                let mut setup = rules.setup;
+                if odd {
+                    let way = self.random.random_range(0..4);
+                    let places = [
+                        &mut setup.track_id,
+                        &mut setup.car_id,
+                        &mut setup.period_ns,
+                        &mut setup.config_id,
+                    ];
+                    places.into_iter().nth(way).into_iter().for_each(|id| *id += 1);
+                }
+                Event::Setup(if self.once_in(12) { OTHER } else { self.sender }, setup)
             }
+            Plan::Published => {
+                self.published += 1;
+                Event::Published(self.published)
+            }
+            Plan::End => Event::End,
             Plan::Order(kind, deadman) => {
                 let token = if odd { model.token + 1 } else { model.token };
+                let controller = [0, 0, self.sender, OTHER, 5, 0, 0, 0];
+                let controller = controller[self.random.random_range(0..8)];
+                let kind = match kind {
+                    OrderKind::Arm { moving, .. } => OrderKind::Arm { moving, controller },
+                    other => other,
+                };
                 let fresh = self.random.random_range(1..i64::MAX - 1);
                 Event::Order(Order { kind, token, deadman, fresh })
             }
@@ -245,6 +277,7 @@ impl Generator {
             seq,
             arrival_ns,
             since_ns: arrival_ns - self.random.random_range(0..20) * MS,
+            answers: Some(self.published.saturating_sub(self.random.random_range(0..2))),
             token: model.token,
             drives: true,
             estop: false,
@@ -258,7 +291,7 @@ impl Generator {
             return (offer, None);
         }
         // The later check's damage first: what both touch belongs to the earlier.
-        let (one, two) = (self.random.random_range(0..6), self.random.random_range(0..6));
+        let (one, two) = (self.random.random_range(0..7), self.random.random_range(0..7));
         let mut found = None;
         for kind in [one.max(two), one.min(two)] {
             found = self.damage(&mut offer, kind, model, now).or(found);
@@ -331,9 +364,14 @@ impl Generator {
                 offer.seq = model.last_seq()? + 101;
                 Reject::Sequence
             }
-            _ => {
+            (5, _) => {
                 offer.token = model.token + 1;
                 Reject::Token
+            }
+            _ => {
+                let wrong = [None, Some(self.published + 1), Some(-1)];
+                offer.answers = wrong[(way % 3) as usize];
+                offer.drives.then_some(Reject::Unanswered)?
             }
         })
     }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
 mod decode;
+mod doubt;
 mod edges;
 mod generator;
 mod model;
@@ -31,11 +32,12 @@ const WAYS: &str = "BOOT>IDLE BOOT>ESTOP BOOT>FAULT IDLE>ARMED IDLE>ESTOP IDLE>F
                     RUNNING>ESTOP RUNNING>FAULT SAFE_STOP>IDLE SAFE_STOP>ESTOP SAFE_STOP>FAULT \
                     FAULT>IDLE FAULT>ESTOP ESTOP>IDLE";
 /// Every end of a grant there is.
-const ENDS: &str = "ARMED:Gap ARMED:States ARMED:Pulse ARMED:Operator ARMED:Controller ARMED:Car \
+const ENDS: &str = "ARMED:Gap ARMED:States ARMED:Pulse ARMED:Operator ARMED:Controller ARMED:Car ARMED:End \
                     RUNNING:Commands RUNNING:Validity RUNNING:States RUNNING:Gap RUNNING:Deadman \
-                    RUNNING:Controller RUNNING:Flood RUNNING:Operator RUNNING:Car";
-const REJECTS: &str = "NotFinite Range Rate Stale Boot Sequence Token";
-const DENIALS: &str = "NoState NotFresh NotGood NoController NoTrack Track Moves NotArmed Phase \
+                    RUNNING:End RUNNING:Controller RUNNING:Flood RUNNING:Operator RUNNING:Car";
+const REJECTS: &str = "NotFinite Range Rate Stale Boot Sequence Token Unanswered";
+const DENIALS: &str = "NoState NotFresh NotGood NoController Controllers OtherController NoSetup Track \
+                       Car Period Config Moves NotArmed Phase \
                        Token Latched NothingToReset Cap Unknown";
 /// Each of them is reached at least this often.
 const OFTEN: u32 = 10;
@@ -44,6 +46,9 @@ fn rules() -> Rules {
     let mut car = CarParams::builtin("barc").unwrap();
     (car.a_rate_max, car.delta_rate_max) = (Some(20.0), Some(3.0));
     let mut rules = Rules::new(&car, &Arc::new(Track::builtin("l").unwrap()), 50 * MS);
+    rules.setup.config_id = 4;
+    // Random states agree with nothing; `doubt` has the tests of these rules.
+    rules.doubt = None;
     // Shorter than in life, so that a drive begins more often.
     (rules.ready_ns, rules.start_ns, rules.pulse_ns) = (100 * MS, 200 * MS, 150 * MS);
     rules

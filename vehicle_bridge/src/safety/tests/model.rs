@@ -28,8 +28,10 @@ pub(super) struct Model {
     /// When the dead man's switch was last said to be held. \[ns\]
     held: Option<i64>,
     good_since: Option<i64>,
-    pulse: Option<(i64, i64)>,
-    track: Option<(i64, i64)>,
+    /// Heartbeat and setup of each controller, and when anything of it came last.
+    heard: BTreeMap<i64, (Option<i64>, Option<Setup>, i64)>,
+    /// States that went out, and when.
+    published: BTreeMap<i64, i64>,
     said: BTreeMap<i64, (i64, u32)>,
 }
 
@@ -60,18 +62,30 @@ impl Model {
                 }
                 Answer::Accepted
             }
-            Event::Command(offer) => self.hear(offer, damage, now),
+            Event::Command(offer) => self.hear(rules, offer, damage, now),
             Event::Pulse(sender) => {
                 let granted = matches!(self.phase, Phase::Armed | Phase::Running);
                 if granted && *sender != self.holder {
                     self.counts.old += 1;
                     return Answer::Rejected(Reject::Boot);
                 }
-                self.pulse = Some((*sender, now));
+                self.entry(*sender, now).0 = Some(now);
                 Answer::None
             }
-            Event::Track(sender, track) => {
-                self.track = Some((*sender, *track));
+            Event::Setup(sender, setup) => {
+                self.entry(*sender, now).1 = Some(*setup);
+                Answer::None
+            }
+            Event::Published(seq) => {
+                self.published.insert(*seq, now);
+                Answer::None
+            }
+            Event::End => {
+                match self.phase {
+                    Phase::Running => self.end(Phase::SafeStop, Lapse::End),
+                    Phase::Armed => self.end(Phase::Idle, Lapse::End),
+                    _ => {}
+                }
                 Answer::None
             }
             Event::Order(order) => match self.obey(rules, order, now) {
@@ -97,6 +111,12 @@ impl Model {
         }
     }
 
+    fn entry(&mut self, sender: i64, now: i64) -> &mut (Option<i64>, Option<Setup>, i64) {
+        let entry = self.heard.entry(sender).or_insert((None, None, now));
+        entry.2 = now;
+        entry
+    }
+
     fn fresh(&self, rules: &Rules, now: i64) -> bool {
         self.state.is_some_and(|(at, _)| now - at <= rules.state_ns + rules.timeout_ns)
     }
@@ -120,7 +140,8 @@ impl Model {
         };
         let patience = rules.tick_ns + rules.timeout_ns;
         let is_state = matches!(event, Event::State(..));
-        let pulse = self.pulse.map_or(i64::MIN / 2, |(_, at)| at);
+        let beat = self.heard.get(&self.holder).and_then(|(beat, ..)| *beat);
+        let pulse = beat.unwrap_or(i64::MIN / 2);
         let begun = self.phase == Phase::Running;
         let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
             now - c.arrival_ns > rules.period_ns + rules.timeout_ns
@@ -139,7 +160,7 @@ impl Model {
         }
     }
 
-    fn hear(&mut self, offer: &Offer, damage: Option<Reject>, now: i64) -> Answer {
+    fn hear(&mut self, rules: &Rules, offer: &Offer, damage: Option<Reject>, now: i64) -> Answer {
         let (begun, count) = self.said.entry(offer.boot_id).or_insert((now, 0));
         if now - *begun >= 100 * MS {
             (*begun, *count) = (now, 0);
@@ -154,12 +175,18 @@ impl Model {
         } else if !granted || offer.boot_id != self.holder {
             Some(Reject::Boot)
         } else {
-            damage.filter(|damage| *damage != Reject::Boot)
+            damage.filter(|d| *d != Reject::Boot && *d != Reject::Unanswered)
         };
+        let patience = rules.max_age_ns.min(offer.valid_for_ns);
+        let recent = |seq| self.published.get(&seq).is_some_and(|at| now - at <= patience);
+        let unanswered = offer.drives && !offer.answers.is_some_and(recent);
+        let reject = reject.or(unanswered.then_some(Reject::Unanswered));
         if let Some(reject) = reject {
             match reject {
                 Reject::Stale => self.counts.stale += 1,
-                Reject::Boot | Reject::Sequence | Reject::Token => self.counts.old += 1,
+                Reject::Boot | Reject::Sequence | Reject::Token | Reject::Unanswered => {
+                    self.counts.old += 1;
+                }
                 _ => self.counts.bad += 1,
             }
             if much && self.phase == Phase::Running && offer.boot_id == self.holder {
@@ -210,22 +237,34 @@ impl Model {
             Arm { .. } if phase == Phase::Armed => {}
             Arm { .. } if phase == Phase::Boot => return Some(Denied::NoState),
             Arm { .. } if phase != Phase::Idle => return Some(Denied::Phase(name)),
-            Arm { moving } => {
+            Arm { moving, controller } => {
                 let good_ns = self.good_since.map_or(0, |since| now - since);
-                let heard = self.pulse.filter(|(_, at)| now - at <= rules.pulse_ns);
-                let on = self.track.filter(|t| heard.is_some_and(|(sender, _)| sender == t.0));
-                match (seen, heard, on) {
-                    (Some(Denied::Moves { .. }), ..) if moving => {}
-                    (Some(denied), ..) => return Some(denied),
-                    _ => {}
+                match seen {
+                    Some(Denied::Moves { .. }) if moving => {}
+                    Some(denied) => return Some(denied),
+                    None => {}
                 }
                 if good_ns < rules.ready_ns {
                     return Some(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
                 }
-                let Some((holder, _)) = heard else { return Some(Denied::NoController) };
-                let Some((_, controller)) = on else { return Some(Denied::NoTrack) };
-                if controller != rules.track_id {
-                    return Some(Denied::Track { controller, car: rules.track_id });
+                let live: Vec<i64> = self
+                    .heard
+                    .iter()
+                    .filter(|(_, (beat, ..))| beat.is_some_and(|at| now - at <= rules.pulse_ns))
+                    .map(|(sender, _)| *sender)
+                    .collect();
+                let holder = match live[..] {
+                    [] => return Some(Denied::NoController),
+                    _ if live.contains(&controller) => controller,
+                    [heard, ..] if controller != 0 => {
+                        return Some(Denied::OtherController { wanted: controller, heard });
+                    }
+                    [one] => one,
+                    [one, two, ..] => return Some(Denied::Controllers(one, two)),
+                };
+                let Some(setup) = self.heard[&holder].1 else { return Some(Denied::NoSetup) };
+                if let Some(denied) = mismatch(&setup, &rules.setup) {
+                    return Some(denied);
                 }
                 (self.phase, self.token, self.lapse) = (Phase::Armed, order.fresh, Lapse::None);
                 self.holder = holder;
@@ -238,8 +277,8 @@ impl Model {
                 (self.phase, self.started) = (Phase::Running, now);
                 self.held = order.deadman.then_some(now);
             }
-            Start if self.held.is_none() => {}
             Start if order.deadman => self.held = Some(now),
+            Start if self.held.is_none() => {}
             Start => self.end(Phase::SafeStop, Lapse::Deadman),
         }
         None
@@ -253,5 +292,27 @@ impl Model {
     /// Number of the last command believed. \[-\]
     pub(super) fn last_seq(&self) -> Option<i64> {
         self.last_seq
+    }
+}
+
+fn mismatch(theirs: &Setup, ours: &Setup) -> Option<Denied> {
+    let ms = |ns: i64| ns as f64 * 1e-6;
+    let one = |controller: i64, bridge: i64| controller * bridge != 0 && controller != bridge;
+    if theirs.track_id != ours.track_id {
+        return Some(Denied::Track { controller: theirs.track_id, car: ours.track_id });
+    }
+    let (car, period, config) = (
+        one(theirs.car_id, ours.car_id),
+        one(theirs.period_ns, ours.period_ns),
+        one(theirs.config_id, ours.config_id),
+    );
+    match (car, period, config) {
+        (true, ..) => Some(Denied::Car { controller: theirs.car_id, bridge: ours.car_id }),
+        (_, true, _) => {
+            let (controller_ms, bridge_ms) = (ms(theirs.period_ns), ms(ours.period_ns));
+            Some(Denied::Period { controller_ms, bridge_ms })
+        }
+        (.., true) => Some(Denied::Config { controller: theirs.config_id, bridge: ours.config_id }),
+        _ => None,
     }
 }

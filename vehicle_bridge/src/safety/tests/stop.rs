@@ -14,7 +14,7 @@ const POINTS: u32 = 20;
 fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 {
     let kappa = track.kappa(s);
     let mut rules = Rules::new(car, track, 10 * TICK_NS);
-    rules.ready_ns = 0;
+    (rules.ready_ns, rules.doubt) = (0, None);
     let wheelbase = car.l_f + car.l_r;
     let start = State { v_x: speed, omega_z: speed * kappa, s, ..State::default() };
     let mut plant = Plant::new(PlantParams::new(car.clone()), Arc::clone(track), start).unwrap();
@@ -25,12 +25,13 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         *safety = next;
         output
     };
-    let moving = OrderKind::Arm { moving: true };
+    let moving = OrderKind::Arm { moving: true, controller: 0 };
     let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
     for event in [
         Event::State(start, 2),
         Event::Pulse(7),
-        Event::Track(7, rules.track_id),
+        Event::Setup(7, rules.setup),
+        Event::Published(1),
         order(moving),
         order(OrderKind::Start),
     ] {
@@ -44,6 +45,7 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         arrival_ns: now,
         since_ns: now,
         token: 9,
+        answers: Some(1),
         drives: true,
         input,
         valid_for_ns: 10 * TICK_NS,

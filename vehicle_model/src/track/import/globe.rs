@@ -28,8 +28,8 @@ pub(super) struct Fix {
 impl Fix {
     /// Earth-centred, earth-fixed coordinates [m] (Hofmann-Wellenhof et al., GNSS, 2008, eq. 8.4).
     fn earth(&self) -> [f64; 3] {
-        let (sin, cos) = self.latitude.to_radians().sin_cos();
-        let (sin_l, cos_l) = self.longitude.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.latitude.to_radians());
+        let (sin_l, cos_l) = libm::sincos(self.longitude.to_radians());
         let normal = A / (1.0 - E2 * sin * sin).sqrt();
         let across = (normal + self.height) * cos;
         [across * cos_l, across * sin_l, (normal * (1.0 - E2) + self.height) * sin]
@@ -68,8 +68,8 @@ pub(super) fn project(
         longitude: middle(|f| f.longitude),
         height: middle(|f| f.height),
     };
-    let (sin, cos) = origin.latitude.to_radians().sin_cos();
-    let (sin_l, cos_l) = origin.longitude.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(origin.latitude.to_radians());
+    let (sin_l, cos_l) = libm::sincos(origin.longitude.to_radians());
     let zero = origin.earth();
     let places: Vec<(f64, f64)> = fixes
         .iter()
@@ -82,9 +82,9 @@ pub(super) fn project(
             (round(east), round(north))
         })
         .collect();
-    let far = places.iter().position(|(x, y)| x.hypot(*y) > MOST);
+    let far = places.iter().position(|(x, y)| libm::hypot(*x, *y) > MOST);
     if let Some(i) = far {
-        let (key, found) = ("distance from the middle", places[i].0.hypot(places[i].1));
+        let (key, found) = ("distance from the middle", libm::hypot(places[i].0, places[i].1));
         let expected = "at most 30000 m; check the order of latitude and longitude";
         return Err(vec![TrackError::Value { item: item(i), key, found, expected }]);
     }

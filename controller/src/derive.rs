@@ -1,0 +1,205 @@
+//! Settings that follow from the car and the track.
+//!
+//! Cars of one shape and grip drive alike in units of their own: length l (wheelbase), speed
+//! `V = sqrt(mu g l)` and time `T = l / V` (dynamic similarity, Froude's number). The preset `race`
+//! was measured on the 1/10-scale car; [`Config::derived`] carries each setting that has a unit over
+//! to another car through the ratios of these scales. What a scale cannot know, the car's file
+//! says: the tyres' peak slip, the body, the brakes and the steering stop.
+
+use vehicle_model::{CarParams, GRAVITY, Track, Tyre};
+
+use crate::config::Config;
+use crate::presets::Preset;
+
+/// Share of the tyres' peak slip at which the slip guards stand.
+const PEAK_SHARE: f64 = 0.85;
+/// Slip guard of tyres whose curve has no peak, and the greatest of any \[rad\].
+const GREATEST_SLIP: f64 = 0.8;
+/// Reserve beside the body as a share of its width.
+const RESERVE_SHARE: f64 = 0.1;
+/// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
+/// blurred inputs for grip.
+const LAG_SHARE: f64 = 0.5;
+/// Speed of the initial laps as a share of the mean speed that grip and drive allow.
+const WARM_UP_SHARE: f64 = 0.3;
+
+/// No road car is faster \[m/s\].
+const FASTEST: f64 = 150.0;
+/// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
+/// against.
+const GROWTH: f64 = 0.35;
+/// Horizon at most.
+const MOST: usize = 100;
+
+/// The scales of a car.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scales {
+    /// Wheelbase \[m\].
+    pub(crate) length: f64,
+    /// Speed sqrt(mu g l) \[m/s\].
+    pub(crate) speed: f64,
+    /// Time l / speed \[s\].
+    pub(crate) time: f64,
+}
+
+impl Scales {
+    /// Of a car.
+    pub(crate) fn new(car: &CarParams) -> Self {
+        Self::of(car.wheelbase(), car.tyre_front.mu.min(car.tyre_rear.mu))
+    }
+
+    fn of(length: f64, mu: f64) -> Self {
+        let speed = (mu * GRAVITY * length).sqrt();
+        Self { length, speed, time: length / speed }
+    }
+
+    /// Of the car the preset was measured on.
+    fn reference() -> Self {
+        Self::of(0.26, 1.2)
+    }
+}
+
+impl Config {
+    /// The settings of a preset for this car on this track; `paper` stays as it is printed.
+    #[must_use]
+    pub fn derived(preset: Preset, car: &CarParams, track: &Track) -> Self {
+        let mut config = Self::preset(preset);
+        if preset == Preset::Race {
+            let lap = PointMass::new(car, track);
+            let substep = config.horizon.period / config.horizon.substeps as f64;
+            let wanted = GROWTH / instability(car, lap.top).max(1e-6);
+            // Whole milliseconds: hosts step in them.
+            let period = (1e3 * wanted).floor().max(10.0) / 1e3;
+            config.horizon.period = period.min(config.horizon.period);
+            config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
+            config.scale(car);
+            config.warm_up.speed = WARM_UP_SHARE * lap.mean;
+        }
+        config
+    }
+
+    fn scale(&mut self, car: &CarParams) {
+        let (own, reference) = (Scales::new(car), Scales::reference());
+        let length = own.length / reference.length;
+        let speed = own.speed / reference.speed;
+        // In sampling periods.
+        let time = own.time / reference.time * (0.1 / self.horizon.period);
+        let acceleration = 0.5 * car.a_max.max(-car.a_min);
+
+        let steps = (self.horizon.steps as f64 * time).round() as usize;
+        self.horizon.steps = steps.clamp(self.horizon.steps, MOST);
+
+        self.nominal.adapt_grip &= car.actuator_lag < LAG_SHARE * self.horizon.period;
+        let metric = &mut self.regression.metric;
+        let squares = [speed, speed, speed / length, acceleration, 1.0];
+        for (weight, scale) in metric.iter_mut().zip(squares) {
+            *weight /= scale * scale;
+        }
+
+        // Costs count steps of the sampling period: a longer time scale makes each worth less.
+        let cost = &mut self.cost;
+        cost.input_acceleration *= time / (acceleration * acceleration);
+        cost.input *= time;
+        cost.acceleration_rate *= time * time / (acceleration * acceleration) * time;
+        cost.gentle_start *= time * time / (acceleration * acceleration) * time;
+        cost.steering_rate *= time * time * time;
+        cost.steering_rate_floor *= time * time * time;
+        let state = [speed, speed, speed / length, 1.0, length, length];
+        for (weight, scale) in cost.terminal_slack.iter_mut().zip(state) {
+            *weight *= time / (scale * scale);
+        }
+        cost.lane_linear *= time / length;
+        cost.lane_quadratic *= time / (length * length);
+        cost.slip *= time;
+        cost.speed *= time / speed;
+
+        let limits = &mut self.limits;
+        limits.lane_margin = 0.5 * car.width + reserve(car, self.horizon.period);
+        limits.front_slip = slip_guard(&car.tyre_front);
+        limits.rear_slip = slip_guard(&car.tyre_rear);
+
+        self.warm_up.noise_a *= acceleration;
+        self.warm_up.noise_delta *= car.delta_max / 0.436;
+    }
+}
+
+/// What is kept free beside the body \[m\]: a share of its width, and at least the
+/// `a_y dt^2 / 8` by which the path between two samples bows out.
+fn reserve(car: &CarParams, dt: f64) -> f64 {
+    let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
+    (RESERVE_SHARE * car.width).max(mu * GRAVITY * dt * dt / 8.0)
+}
+
+/// A share of the peak slip.
+fn slip_guard(tyre: &Tyre) -> f64 {
+    (PEAK_SHARE * tyre.peak_slip()).min(GREATEST_SLIP)
+}
+
+/// The fastest lap of the centre line by grip, drive and brakes alone: a point mass, whose bends
+/// do not take from its drive.
+struct PointMass {
+    /// Mean speed \[m/s\].
+    mean: f64,
+    /// Top speed \[m/s\].
+    top: f64,
+}
+
+impl PointMass {
+    fn new(car: &CarParams, track: &Track) -> Self {
+        let n = 2000;
+        let ds = track.length() / f64::from(n);
+        let grip = car.tyre_front.mu.min(car.tyre_rear.mu) * GRAVITY;
+        let bend = |i: u32| {
+            let kappa = track.kappa(f64::from(i) * ds).abs();
+            (grip / kappa.max(grip / (FASTEST * FASTEST))).sqrt()
+        };
+        let mut v: Vec<f64> = (0..n).map(bend).collect();
+        let count = v.len();
+        for i in 0..2 * count {
+            let (here, next) = (v[i % count], (i + 1) % count);
+            let drag = 0.5 * car.rho * car.cd * car.area * here * here / car.mass;
+            let force = car.drive_force_max.map_or(f64::INFINITY, |force| force / car.mass);
+            let power = car.power_max.map_or(f64::INFINITY, |power| power / car.mass / here);
+            let drive = car.a_max.min(force).min(power) - drag - car.linear_drag * here;
+            v[next] = v[next].min((here * here + 2.0 * drag_limited(drive) * ds).sqrt());
+        }
+        for i in (0..2 * count).rev() {
+            let (here, next) = (i % count, v[(i + 1) % count]);
+            v[here] = v[here].min((next * next - 2.0 * car.a_min * ds).sqrt());
+        }
+        let time: f64 = v.iter().map(|v| ds / v).sum();
+        Self { mean: track.length() / time, top: v.iter().copied().fold(0.0, f64::max) }
+    }
+}
+
+/// A car at its top speed is not slowed down by its drive.
+fn drag_limited(drive: f64) -> f64 {
+    drive.max(0.0)
+}
+
+/// Growth rate of the yaw instability at the hardest braking, up to this speed \[1/s\]; 0 for a car
+/// that stays stable.
+///
+/// Single track, linear tyres with stiffness B C mu F_z, loads moved by braking. The greatest real
+/// eigenvalue of [[-(C_f + C_r)/(m v), (l_r C_r - l_f C_f)/(m v) - v],
+/// [(l_r C_r - l_f C_f)/(I v), -(l_f^2 C_f + l_r^2 C_r)/(I v)]].
+fn instability(car: &CarParams, top: f64) -> f64 {
+    let l = car.wheelbase();
+    let [front, rear] = car.static_loads();
+    let rate = |v: f64| {
+        let air = 0.5 * car.rho * car.area * v * v;
+        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
+        let moved = car.mass * brakes.min(-car.a_min) * car.h_cg / l;
+        let stiffness = |tyre: &Tyre, load: f64| tyre.b * tyre.c * tyre.mu * load.max(0.0);
+        let c_f = stiffness(&car.tyre_front, front + air * car.cl_front + moved);
+        let c_r = stiffness(&car.tyre_rear, rear + air * car.cl_rear - moved);
+        let moment = car.l_r * c_r - car.l_f * c_f;
+        let damping = car.l_f * car.l_f * c_f + car.l_r * car.l_r * c_r;
+        let (a, b) = (-(c_f + c_r) / (car.mass * v), moment / (car.mass * v) - v);
+        let (c, d) = (moment / (car.inertia_z * v), -damping / (car.inertia_z * v));
+        let (half, product) = (0.5 * (a + d), a * d - b * c);
+        let root = half * half - product;
+        if root > 0.0 { half + root.sqrt() } else { half }
+    };
+    (1..=50).map(|i| rate(top * f64::from(i) / 50.0)).fold(0.0, f64::max)
+}

@@ -1,0 +1,153 @@
+//! The speed a plan may reach along the track: what driven laps and the grip known so far support,
+//! and what the brakes can take away again before the places that allow less.
+//!
+//! On a grid along s, over the laps of the safe set, with the lateral use of the grip
+//! `u = |omega_z v_x| / (mu (g + downforce / m))`:
+//!
+//! ```text
+//! v_0(s) = max_laps v(s) clamp(sqrt(share / u(s)), 1 + least, 1 + most)
+//! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
+//! ```
+//!
+//! and nowhere less than the fastest lap was: what was driven can be driven again.
+//!
+//! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
+
+use vehicle_model::{CarParams, GRAVITY, Track};
+
+use super::dataset::Lap;
+use crate::config::EnvelopeConfig;
+
+/// Grid points at most: a longer track gets a coarser grid.
+const POINTS: usize = 20_000;
+
+/// Greatest speed along the track.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Envelope {
+    /// Distance of the grid points \[m\].
+    ds: f64,
+    /// Speed at each grid point \[m/s\]; empty if there is no bound.
+    speed: Vec<f64>,
+    /// Greatest driven speed \[m/s\].
+    driven: Vec<f64>,
+}
+
+impl Envelope {
+    /// The envelope of `laps`; without laps, or switched off, there is no bound.
+    pub(crate) fn new<'a>(
+        config: &EnvelopeConfig,
+        car: &CarParams,
+        grip: [f64; 2],
+        track: &Track,
+        laps: impl Iterator<Item = &'a Lap>,
+    ) -> Self {
+        let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
+        let points = (wanted as usize).clamp(16, POINTS);
+        let mut envelope = Self {
+            ds: track.length() / points as f64,
+            speed: vec![0.0; points],
+            driven: vec![0.0; points],
+        };
+        let tyres = Grip::new(car, grip);
+        for lap in laps {
+            envelope.add(config, &tyres, lap);
+        }
+        if envelope.speed.iter().all(|v| *v == 0.0) || !config.active {
+            envelope.speed.clear();
+            return envelope;
+        }
+        envelope.fill_gaps();
+        envelope.brake(config, car);
+        envelope
+    }
+
+    /// Greatest speed at s \[m/s\]; infinite where nothing bounds it.
+    pub(crate) fn at(&self, s: f64) -> f64 {
+        if self.speed.is_empty() {
+            return f64::INFINITY;
+        }
+        let n = self.speed.len();
+        let place = (s / self.ds).rem_euclid(n as f64);
+        let i = (place as usize).min(n - 1);
+        let share = place - i as f64;
+        self.speed[i] + share * (self.speed[(i + 1) % n] - self.speed[i])
+    }
+
+    /// Raises the grid to what a lap supports, between each two samples.
+    fn add(&mut self, config: &EnvelopeConfig, tyres: &Grip, lap: &Lap) {
+        let n = self.speed.len();
+        let growth = |v: f64, omega: f64| {
+            let used = (omega * v).abs() / tyres.lateral(v);
+            let room = (config.grip_share / used.max(1e-6)).sqrt();
+            v * room.clamp(1.0 + config.growth_least, 1.0 + config.growth_most)
+        };
+        for pair in lap.samples.windows(2) {
+            let (from, to) = (&pair[0].x, &pair[1].x);
+            if to.s <= from.s {
+                continue;
+            }
+            let (low, high) = (growth(from.v_x, from.omega_z), growth(to.v_x, to.omega_z));
+            let first = (from.s / self.ds).ceil() as usize;
+            for i in first.. {
+                let share = (i as f64 * self.ds - from.s) / (to.s - from.s);
+                if share > 1.0 {
+                    break;
+                }
+                let here = &mut self.speed[i % n];
+                *here = here.max(low + share * (high - low));
+                let driven = &mut self.driven[i % n];
+                *driven = driven.max(from.v_x + share * (to.v_x - from.v_x));
+            }
+        }
+    }
+
+    /// Points that no sample pair covers, at the ends of laps, take the value before them.
+    fn fill_gaps(&mut self) {
+        let n = self.speed.len();
+        let Some(start) = self.speed.iter().position(|v| *v > 0.0) else { return };
+        let mut last = self.speed[start];
+        for k in 1..n {
+            let here = &mut self.speed[(start + k) % n];
+            if *here > 0.0 {
+                last = *here;
+            } else {
+                *here = last;
+            }
+        }
+    }
+
+    /// The backward pass.
+    fn brake(&mut self, config: &EnvelopeConfig, car: &CarParams) {
+        let n = self.speed.len();
+        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
+        let brake = config.brake_share * brakes.min(-car.a_min);
+        for i in (0..2 * n).rev() {
+            let after = self.speed[(i + 1) % n];
+            let drag = 0.5 * car.rho * car.cd * car.area * after * after / car.mass
+                + car.linear_drag * after;
+            let most = (after * after + 2.0 * self.ds * (brake + drag)).sqrt();
+            let here = &mut self.speed[i % n];
+            *here = here.min(most).max(self.driven[i % n]);
+        }
+    }
+}
+
+/// Lateral acceleration the tyres hold.
+struct Grip {
+    /// At standstill \[m/s^2\].
+    still: f64,
+    /// What downforce adds per squared speed \[1/m\].
+    downforce: f64,
+}
+
+impl Grip {
+    fn new(car: &CarParams, grip: [f64; 2]) -> Self {
+        let mu = (car.tyre_front.mu * grip[0]).min(car.tyre_rear.mu * grip[1]);
+        let lift = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
+        Self { still: mu * GRAVITY, downforce: mu * lift }
+    }
+
+    fn lateral(&self, v: f64) -> f64 {
+        self.still + self.downforce * v * v
+    }
+}

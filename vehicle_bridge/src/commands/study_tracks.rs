@@ -1,0 +1,167 @@
+//! `lmpc study tracks`.
+
+use std::fs;
+use std::io::IsTerminal as _;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use serde_json::json;
+use vehicle_model::{CarParams, Track};
+
+use super::study::progress;
+use super::{Outcome, setup};
+use crate::cli::{ControllerArgs, TracksStudyArgs};
+use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
+use crate::parallel::{parallel, threads};
+use crate::race::TrackLimit;
+use crate::study::tracks::{
+    Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
+    tracks,
+};
+
+/// The plant that is the car as its file has it.
+const BARE: &str = "none";
+/// Where there is no terminal, time between two lines on how far the study is.
+const EVERY: Duration = Duration::from_secs(60);
+
+/// Runs what is missing of the matrix, and writes its table and page.
+pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
+    let known = tracks(&args.track_names())?;
+    for refused in &known.refused {
+        talk.say(&paint(WARN, &format!("passed over {}: {}", refused.file, refused.reason)));
+    }
+    let cases = cases(args, &known.tracks)?;
+    let keys: Vec<Key> = cases.iter().map(|case| case.key.clone()).collect();
+    let mut book = Book::open(&args.out, &keys, args.resume)?;
+    book.rate(&cases);
+    let mut done: Vec<Key> = book.rows.iter().map(Row::key).collect();
+    done.sort();
+    let missing: Vec<&Case> =
+        cases.iter().filter(|case| done.binary_search(&case.key).is_err()).collect();
+    let out = args.out.display();
+    let lead = format!("{} runs of {} learned laps", cases.len(), args.laps);
+    talk.say(&format!("{lead}, {} kept from {out}", done.len()));
+
+    race(&missing, args, &mut book, cases.len(), talk)?;
+    book.sort(&keys)?;
+
+    let summaries = summarize(&cases, &book.rows);
+    let file = args.out.join("matrix.html");
+    fs::write(&file, page(&lead, &cases, &book.rows, &summaries, &known.refused))
+        .with_context(|| format!("cannot write {}", file.display()))?;
+    let failed = book.rows.iter().filter(|row| row.failed()).count();
+    if args.json {
+        let refused: Vec<_> =
+            known.refused.iter().map(|r| json!({ "file": r.file, "reason": r.reason })).collect();
+        let all = json!({
+            "runs": book.rows.len(), "failed": failed, "cells": summaries, "refused": refused,
+        });
+        result(&serde_json::to_string_pretty(&all)?)?;
+    } else {
+        result(&text_table(&summaries))?;
+        let text = format!("{failed} of {} runs failed", book.rows.len());
+        result(&paint(if failed == 0 { GOOD } else { BAD }, &text))?;
+        result(&format!("runs: {out}/runs.csv, page: {}", file.display()))?;
+    }
+    Ok(if failed == 0 { Outcome::Done } else { Outcome::Degraded })
+}
+
+/// Every run of the matrix: car by car, track by track, plant by plant, seed by seed.
+fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Case>> {
+    let optima = args.optimum.as_deref().map(Optima::load).transpose()?.unwrap_or_default();
+    let plants = if args.plant.is_empty() { vec![BARE.to_owned()] } else { args.plant.clone() };
+    let mut all = Vec::new();
+    for car in &cars(&args.car)? {
+        let drawn = generated(&car.value, args.random_seed, args.random.unwrap_or(0))?;
+        let of_car = tracks.iter().map(|t| (t, false)).chain(drawn.iter().map(|t| (t, true)));
+        for (track, generated) in of_car {
+            let names = [car.value.name.as_str(), car.label.as_str()];
+            let optimum = optima.find(names, [track.value.name(), &track.label]);
+            for plant in &plants {
+                let label = if plant.trim().is_empty() { BARE } else { plant.trim() };
+                let mut options = setup::assemble(
+                    &controller(args, car, track, label),
+                    car.value.clone(),
+                    Arc::clone(&track.value),
+                    args.laps,
+                )?;
+                if !args.centre_of_gravity {
+                    options.limit = TrackLimit::Body;
+                }
+                let names = [car.label.as_str(), track.label.as_str(), label];
+                all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The options of `lmpc race` for one cell.
+fn controller(
+    args: &TracksStudyArgs,
+    car: &Named<CarParams>,
+    track: &Named<Arc<Track>>,
+    plant: &str,
+) -> ControllerArgs {
+    let changes = plant.split(',').filter(|_| plant != BARE).map(str::to_owned);
+    ControllerArgs {
+        config: args.config.clone(),
+        preset: args.preset,
+        car: car.given.clone(),
+        track: track.given.clone(),
+        regression: None,
+        nominal: None,
+        bandwidth: None,
+        control_rate_cost: None,
+        no_grip_adaptation: false,
+        nominal_mu: args.nominal_mu,
+        plant: changes.collect(),
+        set: args.set.clone(),
+    }
+}
+
+/// Drives the cases; failures are shown as they come.
+fn race(
+    cases: &[&Case],
+    args: &TracksStudyArgs,
+    book: &mut Book,
+    all: usize,
+    talk: Talk,
+) -> Result<()> {
+    let bar = progress(all as u64, (all - cases.len()) as u64, talk);
+    let begun = Instant::now();
+    let mut spoken = begun;
+    let mut failed = book.rows.iter().filter(|row| row.failed()).count();
+    let (mut count, live) = (0, std::io::stderr().is_terminal());
+    let ran = parallel(
+        cases,
+        threads(args.jobs),
+        |case| drive(case),
+        |i, run: Run| -> Result<()> {
+            let row = &run.row;
+            if row.failed() {
+                failed += 1;
+                let text = format!("{}: {}", row.title(), row.fail_message);
+                bar.suspend(|| talk.say(&paint(BAD, &text)));
+            }
+            count += 1;
+            bar.set_message(format!("{failed} failed; {}", row.title()));
+            if !live && spoken.elapsed() > EVERY {
+                spoken = Instant::now();
+                let left = begun.elapsed().as_secs_f64() * (cases.len() - count) as f64
+                    / f64::from(u32::try_from(count).unwrap_or(u32::MAX));
+                talk.say(&format!(
+                    "{count} of {} runs done, {failed} failed, about {:.0} min left",
+                    cases.len(),
+                    left / 60.0
+                ));
+            }
+            book.add(run, cases[i])?;
+            bar.inc(1);
+            Ok(())
+        },
+    );
+    bar.finish_and_clear();
+    ran
+}

@@ -1,0 +1,117 @@
+//! What each order of the operator does.
+
+use super::doubt::{self, Doubt};
+use super::lapse::Lapse;
+use super::order::{Denied, MAX_CAP, Order, OrderKind};
+use super::rules::Rules;
+use super::step::Safety;
+use super::types::Phase;
+
+impl Safety {
+    /// Whether the car stands, by a fresh state.
+    pub(super) fn standstill(&self, rules: &Rules, now_ns: i64) -> Result<(), Denied> {
+        if self.seen.is_none() {
+            return Err(Denied::NoState);
+        }
+        if !self.is_fresh(rules, now_ns) {
+            return Err(Denied::NotFresh);
+        }
+        let speed = self.estimate.v_x.hypot(self.estimate.v_y);
+        if speed < rules.still { Ok(()) } else { Err(Denied::Moves { speed }) }
+    }
+
+    /// Whether the car is known to stand.
+    #[must_use]
+    pub fn stands(&self, rules: &Rules, now_ns: i64) -> bool {
+        self.standstill(rules, now_ns).is_ok()
+    }
+
+    /// Obeys an order of the operator.
+    pub(super) fn obey(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
+        let name = self.phase.name();
+        let latched = matches!(self.phase, Phase::Estop | Phase::Fault);
+        match order.kind {
+            OrderKind::Estop => self.leave(Phase::Estop, Lapse::Operator),
+            OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
+            OrderKind::Reset => {
+                self.standstill(rules, now_ns)?;
+                (self.phase, self.blind) = (Phase::Idle, false);
+            }
+            OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
+            OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
+                self.speed_cap = (cap > 0.0).then_some(cap);
+            }
+            OrderKind::SpeedCap(found) => return Err(Denied::Cap { found }),
+            _ if latched => return Err(Denied::Latched(name)),
+            OrderKind::Stop | OrderKind::Disarm => match self.phase {
+                Phase::Running => self.leave(Phase::SafeStop, Lapse::Operator),
+                Phase::Armed => self.leave(Phase::Idle, Lapse::Operator),
+                _ => {}
+            },
+            OrderKind::Arm { moving, controller } => {
+                return self.arm(rules, (moving, controller), order, now_ns);
+            }
+            OrderKind::Start => return self.start(rules, order, now_ns),
+        }
+        Ok(())
+    }
+
+    fn arm(
+        &mut self,
+        rules: &Rules,
+        (moving, controller): (bool, i64),
+        order: &Order,
+        now_ns: i64,
+    ) -> Result<(), Denied> {
+        match self.phase {
+            Phase::Boot => return Err(Denied::NoState),
+            Phase::Idle => {}
+            // Said again: the grant stands.
+            Phase::Armed => return Ok(()),
+            phase => return Err(Denied::Phase(phase.name())),
+        }
+        match self.standstill(rules, now_ns) {
+            Err(Denied::Moves { .. }) if moving => {}
+            other => other?,
+        }
+        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
+        let good_ns = now_ns.saturating_sub(since);
+        if good_ns < rules.ready_ns {
+            return Err(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
+        }
+        if let Some(suspicion) = doubt::place(rules, &self.estimate) {
+            return Err(Denied::Place(suspicion));
+        }
+        let since_ns = now_ns.saturating_sub(rules.pulse_ns);
+        let boot_id = self.controllers.choose(controller, since_ns, &rules.setup)?;
+        self.phase = Phase::Armed;
+        self.token = order.fresh.max(1);
+        (self.armed, self.seq, self.lapse) = (Some(boot_id), None, Lapse::None);
+        Ok(())
+    }
+
+    fn start(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
+        if !matches!(self.phase, Phase::Armed | Phase::Running) {
+            return Err(Denied::NotArmed(self.phase.name()));
+        }
+        if order.token != self.token || self.token == 0 {
+            return Err(Denied::Token { found: order.token });
+        }
+        if self.phase == Phase::Running {
+            match (self.deadman_ns, order.deadman) {
+                // In force from the first START that holds it, also of a car that drives already.
+                (_, true) => self.deadman_ns = Some(now_ns),
+                (Some(_), false) => self.leave(Phase::SafeStop, Lapse::Deadman),
+                (None, false) => {}
+            }
+            return Ok(());
+        }
+        if let Some(suspicion) = doubt::place(rules, &self.estimate) {
+            return Err(Denied::Place(suspicion));
+        }
+        (self.doubt, self.blind) = (Doubt::default(), false);
+        (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
+        self.deadman_ns = order.deadman.then_some(now_ns);
+        Ok(())
+    }
+}
