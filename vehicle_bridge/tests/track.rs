@@ -80,3 +80,28 @@ fn random_writes_the_seeds_track() {
     let read = Track::from_toml(&fs::read_to_string(folder.join("r.toml")).unwrap()).unwrap();
     assert_eq!(read, track::random(3, &CarParams::builtin("kart").unwrap()).unwrap());
 }
+
+#[test]
+fn a_car_too_wide_for_the_track_is_refused_with_the_place() {
+    let folder = folder("track_narrow");
+    let arguments = ["track", "show", "plain.csv", "--width", "0.5", "--smooth", "0"];
+    let output = lmpc(&folder, &[&arguments[..], &["--car", "barc"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stdout));
+    let output = lmpc(&folder, &[&arguments[..], &["--car", "iac"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("too narrow at s = "), "{}", text(&output.stdout));
+    let output = lmpc(&folder, &["track", "convert", "plain.csv", "thin.toml", "--width", "0.5"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let output = lmpc(&folder, &["race", "--car", "iac", "--track", "thin.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("too narrow at s = "), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_race_says_what_its_track_file_was_changed_to() {
+    let folder = folder("track_race");
+    // Learned data that does not exist ends it before the first lap.
+    let race = ["race", "--car", "kart", "--track", "circle.csv", "--load", "none.lmpc"];
+    let output = lmpc(&folder, &race);
+    assert!(text(&output.stderr).contains("smoothed 60 points"), "{}", text(&output.stderr));
+}

@@ -53,6 +53,9 @@ pub struct ShowArgs {
     /// Page to write, with map, curvature, widths and heading
     #[arg(long, value_name = "FILE.html")]
     pub out: Option<PathBuf>,
+    /// Car by name or file that the track is to fit: room for its body, bends it gets round
+    #[arg(long, value_name = "CAR")]
+    pub car: Option<String>,
     /// How the file is read.
     #[command(flatten)]
     pub import: ImportArgs,

@@ -37,7 +37,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Serves until Ctrl-C.
 pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
-    let options = setup::race(&args.controller, 0)?;
+    let options = setup::race(&args.controller, 0, talk)?;
     let mut config = options.config;
     config.warm_up.seed = args.seed;
     let period = config.horizon.period;
@@ -108,7 +108,7 @@ pub(super) fn sim(
     fmu: Option<(&PathBuf, &FmuVehicleArgs)>,
     talk: Talk,
 ) -> Result<Outcome> {
-    let options = setup::race(&args.controller, 0)?;
+    let options = setup::race(&args.controller, 0, talk)?;
     let config = &options.config;
     let rolling = if args.lock_step { config.warm_up.speed } else { 0.0 };
     let start = State { v_x: args.start_speed.unwrap_or(rolling), ..State::default() };
@@ -198,7 +198,7 @@ pub(super) fn record(args: &RecordArgs, talk: Talk) -> Result<Outcome> {
 
 /// Replays a log.
 pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
-    let options = setup::race(&args.controller, 0)?;
+    let options = setup::race(&args.controller, 0, Talk { quiet: true })?;
     let mut config = options.config;
     config.warm_up.seed = args.seed;
     let mut controller = Controller::new(config, options.nominal, options.track)?;

@@ -26,7 +26,7 @@ use crate::transport::Transport;
 
 /// Runs the bridge until Ctrl-C.
 pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
-    let options = setup::race(&args.controller, 0)?;
+    let options = setup::race(&args.controller, 0, talk)?;
     let period_ns = convert::nanoseconds(options.config.horizon.period);
     let mut rules = Rules::new(&options.plant.car, &options.track, period_ns);
     rules.setup = comparable(&args.controller, &options.config, &options.track)?;

@@ -18,7 +18,7 @@ use crate::report::{Report, best_lap};
 
 /// Races once, or over several seeds.
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
-    let mut options = setup::race(&args.controller, args.laps)?;
+    let mut options = setup::race(&args.controller, args.laps, talk)?;
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
     if let Some(count) = args.seeds {

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use controller::Config;
-use vehicle_model::{CarParams, PlantParams, Track};
+use vehicle_model::{CarParams, PlantParams, Track, TrackError};
 
 use crate::cli::ControllerArgs;
+use crate::console::{SOFT, Talk, WARN, paint};
 use crate::race::{ModelErrorAt, RaceOptions, change_plant, load};
 use crate::settings::{Layers, Usage};
 
@@ -14,9 +15,30 @@ use crate::settings::{Layers, Usage};
 pub(super) const SMALL_CAR: &str = "barc";
 const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
 
-/// The race the options describe, with seed 0.
-pub(super) fn race(args: &ControllerArgs, laps: u32) -> Result<RaceOptions> {
-    assemble(args, load::car(&args.car)?, load::track(&args.track)?, laps)
+/// Most changes of a track that are listed before a race.
+const MOST_CHANGES: usize = 5;
+
+/// The race the options describe, with seed 0. Says what the import changed of a track file, and
+/// which bend the car does not get round.
+pub(super) fn race(args: &ControllerArgs, laps: u32, talk: Talk) -> Result<RaceOptions> {
+    let car = load::car(&args.car)?;
+    let (track, changes) = load::track_and_changes(&args.track)?;
+    for change in changes.iter().take(MOST_CHANGES) {
+        talk.say(&paint(SOFT, &format!("{}: {change}", args.track)));
+    }
+    if changes.len() > MOST_CHANGES {
+        let more = changes.len() - MOST_CHANGES;
+        let see = format!("`lmpc track show {}` lists them", args.track);
+        talk.say(&paint(SOFT, &format!("{}: {more} more changes; {see}", args.track)));
+    }
+    for problem in track.problems_for(&car) {
+        if matches!(problem, TrackError::TooNarrow { .. }) {
+            bail!("{} does not fit on {}: {problem}", args.car, args.track);
+        }
+        let text = format!("warning: {} on {}: {problem}", args.car, args.track);
+        talk.say(&paint(WARN, &text));
+    }
+    assemble(args, car, track, laps)
 }
 
 /// That race with a car and a track that are loaded already; of both, `args` has the names.

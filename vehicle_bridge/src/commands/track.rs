@@ -8,7 +8,7 @@ use vehicle_model::track::{ImportOptions, Imported, random};
 
 use super::{Outcome, track_page};
 use crate::cli::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
-use crate::console::result;
+use crate::console::{BAD, paint, result};
 use crate::race::load;
 
 /// Most problems of a file that are printed.
@@ -66,11 +66,18 @@ fn print(imported: &Imported) -> Result<()> {
 fn show(args: &ShowArgs) -> Result<Outcome> {
     let imported = import(&args.file, &args.import)?;
     print(&imported)?;
+    let problems = match &args.car {
+        Some(car) => imported.track.problems_for(&load::car(car)?),
+        None => Vec::new(),
+    };
+    for problem in &problems {
+        result(&paint(BAD, &format!("  {problem}")))?;
+    }
     if let Some(out) = &args.out {
         let page = track_page::html(&imported, &args.file);
         fs::write(out, page).with_context(|| format!("cannot write {}", out.display()))?;
     }
-    Ok(Outcome::Done)
+    Ok(if problems.is_empty() { Outcome::Done } else { Outcome::Problems })
 }
 
 fn convert(args: &ConvertArgs) -> Result<Outcome> {

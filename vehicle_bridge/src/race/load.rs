@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
+use vehicle_model::track::{Change, ImportOptions};
 use vehicle_model::{CarParams, Track};
 
 /// The car of this name or file.
@@ -24,11 +25,26 @@ pub fn car(name: &str) -> Result<CarParams> {
 /// # Errors
 /// If there is neither, or the file is wrong.
 pub fn track(name: &str) -> Result<Arc<Track>> {
+    Ok(track_and_changes(name)?.0)
+}
+
+/// [`track`], with what its import changed of the file.
+///
+/// # Errors
+/// If there is neither, or the file is wrong.
+pub fn track_and_changes(name: &str) -> Result<(Arc<Track>, Vec<Change>)> {
     if let Some(track) = Track::builtin(name) {
-        return Ok(Arc::new(track));
+        return Ok((Arc::new(track), Vec::new()));
     }
     let text = track_text(name)?;
-    Ok(Arc::new(Track::parse(name, &text).with_context(|| hint(name))?))
+    let imported = match Track::import(name, &text, &ImportOptions::default()) {
+        Ok(imported) => imported,
+        Err(problems) => {
+            let first = problems.into_iter().next().map(|problem| problem.to_string());
+            bail!("{}: {}", hint(name), first.unwrap_or_default())
+        }
+    };
+    Ok((Arc::new(imported.track), imported.changes))
 }
 
 /// Text of a track file.

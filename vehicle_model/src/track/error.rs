@@ -173,6 +173,33 @@ pub enum TrackError {
         /// Width to the inner edge [m].
         width: f64,
     },
+    /// The car's body does not fit between the edges.
+    #[error(
+        "too narrow at {place}: {width:.3} m from edge to edge, expected more than the body's \
+         {body:.3} m; check the unit of the widths, or take a track of the car's scale"
+    )]
+    TooNarrow {
+        /// Where it is narrowest.
+        place: Place,
+        /// Width from edge to edge [m].
+        width: f64,
+        /// Width of the body [m].
+        body: f64,
+    },
+    /// No line between the edges takes a bend within the car's steering lock.
+    #[error(
+        "too sharp a bend at {place}: the widest line has a radius of {radius:.3} m, expected at \
+         least the {lock:.3} m that the car steers; smooth the line more, or take a track of the \
+         car's scale"
+    )]
+    TooSharp {
+        /// Where it is tightest.
+        place: Place,
+        /// Radius of the widest line [m].
+        radius: f64,
+        /// Radius at full steering lock [m].
+        lock: f64,
+    },
 }
 
 impl TrackError {

@@ -19,6 +19,7 @@ mod arc;
 mod builtin;
 mod changes;
 mod crossing;
+mod drivable;
 mod error;
 mod frenet;
 mod import;
