@@ -29,6 +29,26 @@ fn each_bad_file_gets_its_message() {
     let every = |f: fn(&mut TrackPoint)| with(move |points| points.iter_mut().for_each(f));
     let plain = with(|_| ());
     let cases: Vec<(&str, String, &str)> = vec![
+        ("a hole", with(|p| drop(p.drain(36..54))), "add the missing points"),
+        ("sparse", with(|p| *p = p.iter().step_by(8).copied().collect()), "too coarse at s ="),
+        (
+            "two laps",
+            with(|p| {
+                let second: Vec<TrackPoint> =
+                    p.iter().map(|p| TrackPoint { x: p.x + 0.5, ..*p }).collect();
+                p.extend(second);
+            }),
+            "go round 2 times",
+        ),
+        (
+            "noise of metres",
+            with(|p| {
+                p.iter_mut().enumerate().for_each(|(i, p)| {
+                    p.y += 4.0 * (f64::from(u32::try_from(i).unwrap()) * 2.3).sin();
+                })
+            }),
+            "state the noise",
+        ),
         ("empty", String::new(), "no numbers"),
         ("open", with(|p| p.truncate(45)), "open track"),
         ("too few", with(|p| p.truncate(6)), "points: found 6"),
@@ -73,7 +93,7 @@ fn each_bad_file_gets_its_message() {
                     p.swap(i, (i * 37) % 90)
                 }
             }),
-            "at s =",
+            "check the order of the points",
         ),
         (
             "crossing",

@@ -55,6 +55,19 @@ fn tables_without_widths_are_the_line_with_the_given_one() {
 }
 
 #[test]
+fn a_comma_between_semicolons_is_a_decimal_point() {
+    let points = ellipse(90);
+    let (mut with_points, mut with_commas) = (String::new(), String::new());
+    for p in &points {
+        let line = format!("{:.6};{:.6};{:.6};{:.6}\n", p.x, p.y, p.width_right, p.width_left);
+        with_commas.push_str(&line.replace('.', ","));
+        with_points.push_str(&line);
+    }
+    let [a, b] = [with_points, with_commas].map(|text| Track::parse("a.csv", &text).unwrap());
+    assert_eq!(a, b);
+}
+
+#[test]
 fn positions_on_the_globe_have_their_true_shape() {
     let points = ellipse(90);
     let exact = Track::from_points("a", &points).unwrap();

@@ -11,9 +11,6 @@ use crate::cli::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, Tra
 use crate::console::{BAD, paint, result};
 use crate::race::load;
 
-/// Most problems of a file that are printed.
-const MOST_PROBLEMS: usize = 10;
-
 /// Shows, converts or makes a track.
 pub(super) fn run(args: &TrackArgs) -> Result<Outcome> {
     match &args.action {
@@ -34,12 +31,11 @@ fn import(name: &str, args: &ImportArgs) -> Result<Imported> {
     match Track::import(name, &text, &options) {
         Ok(imported) => Ok(imported),
         Err(problems) => {
-            let mut lines: Vec<String> =
-                problems.iter().take(MOST_PROBLEMS).map(ToString::to_string).collect();
-            if problems.len() > MOST_PROBLEMS {
-                lines.push(format!("and {} more", problems.len() - MOST_PROBLEMS));
+            let first = problems.first().map(ToString::to_string).unwrap_or_default();
+            match problems.len().saturating_sub(1) {
+                0 => bail!("{name}: {first}"),
+                more => bail!("{name}: {first}\n  and {more} more; `lmpc check {name}` lists them"),
             }
-            bail!("{name}: {}", lines.join("\n  "));
         }
     }
 }

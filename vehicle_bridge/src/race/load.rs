@@ -66,7 +66,7 @@ fn text_of(what: &str, name: &str, builtin: &[&str]) -> Result<String> {
         );
     }
     let bytes = fs::read(path).with_context(|| format!("cannot read {name}"))?;
-    String::from_utf8(bytes).with_context(|| format!("{name} is no text file"))
+    String::from_utf8(bytes).with_context(|| format!("{name} is no text in UTF-8; save it as that"))
 }
 
 fn hint(name: &str) -> String {

@@ -4,6 +4,8 @@ use super::Track;
 use super::error::{Place, TrackError};
 use crate::params::CarParams;
 
+/// Largest width of a track at its narrowest place, in widths of the body: that of a runway.
+const WIDEST: f64 = 100.0;
 /// Places looked at, per width of the track.
 const DENSITY: f64 = 20.0;
 /// Most places looked at.
@@ -40,7 +42,8 @@ impl Bend {
 }
 
 impl Track {
-    /// Why this car cannot drive the track: a place narrower than its body, or a bend that no line
+    /// Why this car cannot drive the track: a place narrower than its body, a width of another
+    /// scale than the car's, or a bend that no line
     /// between the edges takes within the steering lock at walking pace, the bend being an arc as
     /// long and as far round. Nothing if it can, as far as these two say; one entry for each kind,
     /// the worst place of it.
@@ -97,6 +100,10 @@ impl Track {
         let narrow =
             narrow.map(|(place, width)| TrackError::TooNarrow { place, width, body: car.width });
         let sharp = sharp.map(|(place, radius)| TrackError::TooSharp { place, radius, lock });
-        narrow.into_iter().chain(sharp).collect()
+        let (width, body) = (self.narrowest(), car.width);
+        let share = width / body;
+        let wide =
+            (share > WIDEST).then_some(TrackError::TooWide { width, body, share, limit: WIDEST });
+        narrow.into_iter().chain(wide).chain(sharp).collect()
     }
 }

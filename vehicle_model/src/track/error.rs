@@ -144,6 +144,52 @@ pub enum TrackError {
         /// Largest allowed distance [m].
         limit: f64,
     },
+    /// A stretch without points.
+    #[error(
+        "{item} at {place} is {gap:.3} m from the next point, expected about {typical:.3} m as \
+         elsewhere; add the missing points"
+    )]
+    Hole {
+        /// Which point, and its line if it came from a file.
+        item: String,
+        /// Where.
+        place: Place,
+        /// Distance to the next point [m].
+        gap: f64,
+        /// Median distance of neighbouring points [m].
+        typical: f64,
+    },
+    /// Many points far from any smooth line.
+    #[error(
+        "{count} points lie far from a smooth line, most of all {item} at {place} by {distance:.3} \
+         m, expected at most {limit:.3} m (three tenths of the track's width); check the order of \
+         the points and the unit of the widths, or state the noise (`--smooth METRES`)"
+    )]
+    Scattered {
+        /// How many.
+        count: usize,
+        /// The worst, and its line if it came from a file.
+        item: String,
+        /// Where it is.
+        place: Place,
+        /// Its distance from the line [m].
+        distance: f64,
+        /// Largest allowed distance there [m].
+        limit: f64,
+    },
+    /// The points go round more than once.
+    #[error(
+        "the points go round {laps} times: {first} is passed again at {second}; expected one lap; \
+         remove the others"
+    )]
+    Laps {
+        /// How often.
+        laps: usize,
+        /// A place of the first lap.
+        first: Place,
+        /// The same place later on.
+        second: Place,
+    },
     /// The widths do not belong to the line, as when one of the two is not in metres.
     #[error(
         "the widths do not fit the line: {share:.0} % of a lap of {length:.3} m bends tighter than \
@@ -185,6 +231,21 @@ pub enum TrackError {
         width: f64,
         /// Width of the body [m].
         body: f64,
+    },
+    /// The track is far wider than the car.
+    #[error(
+        "{width:.3} m from edge to edge at the narrowest place is {share:.0} times the body's width \
+         of {body:.3} m, expected at most {limit:.0} times; check that the file is in metres"
+    )]
+    TooWide {
+        /// Width from edge to edge at the narrowest place [m].
+        width: f64,
+        /// Width of the body [m].
+        body: f64,
+        /// Their ratio \[-\].
+        share: f64,
+        /// Largest allowed ratio \[-\].
+        limit: f64,
     },
     /// No line between the edges takes a bend within the car's steering lock.
     #[error(

@@ -23,6 +23,7 @@ mod drivable;
 mod error;
 mod frenet;
 mod import;
+mod outliers;
 mod path;
 mod points;
 mod random;

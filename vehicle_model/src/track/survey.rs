@@ -3,6 +3,7 @@
 
 use super::changes::{Change, ImportOptions, Imported, Side};
 use super::error::{Place, TrackError};
+use super::outliers::{self, Far};
 use super::path::Path;
 use super::points::{self, TrackPoint};
 use super::smooth::{self, Smoothed, Strength};
@@ -52,6 +53,10 @@ pub(super) fn build(
     let line = match strength {
         Some(strength) if survey.len() >= points::FEWEST => {
             check_gap(&survey, item)?;
+            let holes = outliers::holes(&survey, &own_item);
+            if !holes.is_empty() {
+                return Err(holes);
+            }
             if options.smooth.is_none() {
                 check_jumps(&survey, &own_item)?;
             }
@@ -72,7 +77,8 @@ pub(super) fn build(
     } else {
         line
     };
-    let track = points::build(name, &line, &own_item)?;
+    let track = points::build(name, &line, &own_item)
+        .map_err(|problems| outliers::laps(&line, problems))?;
     Ok(Imported { track, changes, points: given.to_vec(), line, origin: None })
 }
 
@@ -105,13 +111,13 @@ fn distinct(points: &[TrackPoint]) -> (Vec<usize>, Option<Change>) {
 }
 
 /// Distance of two points [m]. Not hypot: its last bit depends on the platform.
-fn distance(a: &TrackPoint, b: &TrackPoint) -> f64 {
+pub(super) fn distance(a: &TrackPoint, b: &TrackPoint) -> f64 {
     let (x, y) = (b.x - a.x, b.y - a.y);
     (x * x + y * y).sqrt()
 }
 
 /// Mean width from edge to edge [m].
-fn mean_width(points: &[TrackPoint]) -> f64 {
+pub(super) fn mean_width(points: &[TrackPoint]) -> f64 {
     points.iter().map(|p| p.width_left + p.width_right).sum::<f64>() / points.len() as f64
 }
 
@@ -137,10 +143,7 @@ fn check_jumps(
         (b.x - 0.5 * (a.x + c.x), b.y - 0.5 * (a.y + c.y))
     };
     let mut wrong = Vec::new();
-    let mut s = 0.0;
     for (i, p) in survey.iter().enumerate() {
-        let place = Place { s, x: p.x, y: p.y };
-        s += distance(p, at(i + 1));
         let (before, own, after) = (bend(i + n - 1), bend(i), bend(i + 1));
         let against = |other: (f64, f64)| other.0 * own.0 + other.1 * own.1;
         let square = own.0 * own.0 + own.1 * own.1;
@@ -148,10 +151,10 @@ fn check_jumps(
         let off = ((c.x - a.x) * own.1 - (c.y - a.y) * own.0).abs() / distance(a, c);
         let limit = OUTLIER * (p.width_left + p.width_right);
         if off > limit && against(before).max(against(after)) < -0.25 * square {
-            wrong.push(TrackError::Outlier { item: item(i), place, distance: off, limit });
+            wrong.push(Far { point: i, distance: off, limit });
         }
     }
-    if wrong.is_empty() { Ok(()) } else { Err(wrong) }
+    if wrong.is_empty() { Ok(()) } else { Err(outliers::explain(survey, &wrong, item)) }
 }
 
 /// The points of a smooth line, with the edges where they were, and what was moved.
@@ -169,29 +172,18 @@ fn smoothed(
             distance(&survey[i], &TrackPoint { x, y, ..survey[i] })
         })
         .collect();
-    let mut places = Vec::with_capacity(n);
-    let mut s = 0.0;
-    for (i, p) in survey.iter().enumerate() {
-        places.push(Place { s, x: p.x, y: p.y });
-        s += distance(p, &survey[(i + 1) % n]);
-    }
     if matches!(strength, Strength::Automatic(_)) {
         let alone = 1.0 / (1.0 - smooth.leverage).max(0.1);
-        let wrong: Vec<TrackError> = (0..n)
+        let wrong: Vec<Far> = (0..n)
             .filter_map(|i| {
                 let limit = OUTLIER * (survey[i].width_left + survey[i].width_right);
                 let distance = alone * moved[i];
                 let peak = moved[i] >= moved[(i + 1) % n] && moved[i] >= moved[(i + n - 1) % n];
-                (peak && distance > limit).then(|| TrackError::Outlier {
-                    item: item(i),
-                    place: places[i],
-                    distance,
-                    limit,
-                })
+                (peak && distance > limit).then_some(Far { point: i, distance, limit })
             })
             .collect();
         if !wrong.is_empty() {
-            return Err(wrong);
+            return Err(outliers::explain(survey, &wrong, item));
         }
     }
     let worst = (0..n).max_by(|&a, &b| moved[a].total_cmp(&moved[b])).unwrap_or(0);
@@ -202,7 +194,7 @@ fn smoothed(
         points: n,
         rms: (moved.iter().map(|d| d * d).sum::<f64>() / n as f64).sqrt(),
         largest: moved[worst],
-        place: places[worst],
+        place: outliers::places(survey)[worst],
         noise: smooth.noise,
     };
     Ok((resampled(survey, &smooth), Some(change)))

@@ -93,7 +93,7 @@ pub(super) fn read(
 fn numbers(line: usize, content: &str) -> Result<Vec<Cell>, Vec<TrackError>> {
     let mut cells = Vec::new();
     let mut problems = Vec::new();
-    let separator = [',', ';'].into_iter().find(|s| content.contains(*s));
+    let separator = [';', ','].into_iter().find(|s| content.contains(*s));
     let mut byte = 0;
     let pieces: Vec<&str> = match separator {
         Some(separator) => content.split(separator).collect(),
@@ -107,7 +107,12 @@ fn numbers(line: usize, content: &str) -> Result<Vec<Cell>, Vec<TrackError>> {
         if word.is_empty() && separator.is_none() {
             continue;
         }
-        match word.parse::<f64>() {
+        // Where semicolons separate, a comma is a decimal point.
+        let number = match separator {
+            Some(';') if !word.contains('.') => word.replacen(',', ".", 1).parse::<f64>(),
+            _ => word.parse(),
+        };
+        match number {
             Ok(value) if value.is_finite() => cells.push((value, column)),
             _ => problems.push(TrackError::Syntax {
                 line,
