@@ -98,6 +98,27 @@ fn a_car_too_wide_for_the_track_is_refused_with_the_place() {
 }
 
 #[test]
+fn a_figure_of_eight_is_raced() {
+    let folder = folder("track_eight");
+    let straight = |length: f64| format!("[[segment]]\nlength_m = {length}\n");
+    let bend = |radius: f64| format!("[[segment]]\nradius_m = {radius}\nangle_deg = 270.0\n");
+    let eight = [
+        "name = \"eight\"\nwidth_left_m = 0.55\nwidth_right_m = 0.55\n".to_owned(),
+        straight(1.5),
+        bend(2.0),
+        straight(4.0),
+        bend(-2.0),
+        straight(2.5),
+    ];
+    fs::write(folder.join("eight.toml"), eight.concat()).unwrap();
+    let race = ["race", "--car", "barc", "--track", "eight.toml", "--laps", "20", "--out", "out"];
+    let output = lmpc(&folder, &[&race[..], &["--plant", "noise=0.001"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stdout));
+    let printed = text(&output.stdout);
+    assert!(printed.contains("  24  learning") && printed.contains("best lap 5."), "{printed}");
+}
+
+#[test]
 fn a_race_says_what_its_track_file_was_changed_to() {
     let folder = folder("track_race");
     // Learned data that does not exist ends it before the first lap.

@@ -1,5 +1,6 @@
 //! What an import changed of the points it was given.
 
+use super::write::write_stations;
 use super::{Place, Track, TrackPoint, points_to_toml};
 use std::fmt;
 
@@ -50,9 +51,11 @@ impl Imported {
     /// The track in our own format; reading it again gives the same track to the last bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        self.track
-            .to_toml()
-            .unwrap_or_else(|| points_to_toml(self.track.name(), &self.line, self.origin))
+        self.track.to_toml().unwrap_or_else(|| {
+            let mut text = points_to_toml(self.track.name(), &self.line, self.origin);
+            write_stations(&mut text, self.track.stations());
+            text
+        })
     }
 }
 

@@ -15,6 +15,7 @@
 //! # Ok::<(), &str>(())
 //! ```
 
+mod along;
 mod arc;
 mod builtin;
 mod changes;
@@ -34,6 +35,7 @@ mod survey;
 mod widths;
 mod write;
 
+pub use along::Station;
 pub use changes::{Change, ImportOptions, Imported, Origin, Side};
 pub use error::{Place, TrackError};
 pub use frenet::{Projection, wrap_angle};
@@ -42,6 +44,7 @@ pub use random::random;
 pub use segment::Segment;
 pub use write::points_to_toml;
 
+use along::Along;
 use path::Path;
 use std::cell::Cell;
 use std::fmt;
@@ -54,6 +57,7 @@ pub struct Track {
     path: Path,
     widths: Widths,
     bridges: Vec<(Place, Place)>,
+    along: Along,
     length: f64,
     max_abs_kappa: f64,
     min_width: f64,
@@ -116,6 +120,7 @@ impl Track {
             path,
             widths,
             bridges,
+            along: Along::default(),
             length,
             max_abs_kappa,
             min_width,

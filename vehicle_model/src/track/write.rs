@@ -1,7 +1,7 @@
 //! Tracks in our own file format.
 
 use super::path::Path;
-use super::{Origin, Track, TrackPoint};
+use super::{Origin, Station, Track, TrackPoint};
 use std::fmt::Write as _;
 
 impl Track {
@@ -28,6 +28,7 @@ impl Track {
                     writeln!(text, "width_left_end_m = {left:?}\nwidth_right_end_m = {right:?}");
             }
         }
+        write_stations(&mut text, self.stations());
         Some(text)
     }
 }
@@ -56,6 +57,37 @@ pub fn points_to_toml(name: &str, points: &[TrackPoint], origin: Option<Origin>)
     }
     text.push_str("]\n");
     text
+}
+
+/// Writes the stations of a track.
+pub(super) fn write_stations(text: &mut String, stations: &[Station]) {
+    for Station { s, bank, slope, friction, speed_limit } in stations {
+        let _ = writeln!(text, "\n[[station]]\ns_m = {s:?}");
+        let angles = [("bank_deg", bank), ("slope_deg", slope)];
+        for (key, angle) in angles {
+            if let Some(angle) = angle {
+                let _ = writeln!(text, "{key} = {:?}", degrees(*angle));
+            }
+        }
+        if let Some(friction) = friction {
+            let _ = writeln!(text, "friction = {friction:?}");
+        }
+        match speed_limit {
+            Some(limit) if limit.is_finite() => {
+                let _ = writeln!(text, "speed_limit_mps = {limit:?}");
+            }
+            Some(_) => text.push_str("speed_limit_mps = \"none\"\n"),
+            None => {}
+        }
+    }
+}
+
+/// The degrees that are this angle \[rad\] to the last bit, if there are any.
+fn degrees(angle: f64) -> f64 {
+    let near = angle.to_degrees();
+    let candidates = [near, near.next_up(), near.next_down()];
+    let same = |degrees: &f64| degrees.to_radians().to_bits() == angle.to_bits();
+    candidates.into_iter().find(same).unwrap_or(near)
 }
 
 /// The beginning of a file.

@@ -5,6 +5,7 @@ mod geojson;
 mod globe;
 mod points_toml;
 mod segments_toml;
+mod stations_toml;
 mod table;
 
 use super::{ImportOptions, Imported, Track, TrackError};
@@ -41,6 +42,10 @@ impl Track {
     /// In place of widths and segments the file may hold points of the centre line, as `lmpc track
     /// convert` writes them: `point = [ { x_m = .., y_m = .., width_left_m = .., width_right_m
     /// = .. }, .. ]`, with `smooth_m` for the smoothing of [`ImportOptions`].
+    ///
+    /// Either may have places along s, see [`Station`](super::Station):
+    /// `[[station]]` with `s_m` and any of `bank_deg`, `slope_deg`, `friction` and
+    /// `speed_limit_mps` (`"none"` ends a limit).
     ///
     /// # Errors
     /// The first of everything wrong with the text or the track it describes.

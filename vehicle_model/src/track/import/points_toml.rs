@@ -1,12 +1,13 @@
 //! Our own track format with points of the centre line in place of segments.
 
 use super::segments_toml::{POSITIVE, Reader};
+use super::stations_toml;
 use crate::track::{ImportOptions, Imported, Origin, TrackError, TrackPoint, survey};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Keys of the file.
-const KEYS: [&str; 6] = ["name", "smooth_m", "point", ORIGIN[0], ORIGIN[1], ORIGIN[2]];
+const KEYS: [&str; 7] = ["name", "smooth_m", "point", "station", ORIGIN[0], ORIGIN[1], ORIGIN[2]];
 /// Keys of the place on the globe of x = y = 0.
 const ORIGIN: [&str; 3] = ["origin_lat_deg", "origin_lon_deg", "origin_height_m"];
 /// Keys of a point.
@@ -38,6 +39,7 @@ pub(super) fn read(
         .flat_map(|entries| entries.iter())
         .filter_map(|entry| point(&mut reader, entry))
         .unzip();
+    let stations = stations_toml::read(&mut reader, table);
     reader.done()?;
     let item = |i: usize| match lines.get(i) {
         Some(line) => format!("line {line}: point {}", i + 1),
@@ -45,7 +47,7 @@ pub(super) fn read(
     };
     let options = ImportOptions { smooth: options.smooth.or(smooth), ..*options };
     let imported = survey::build(&name, &points, &options, &item)?;
-    Ok(Imported { origin, ..imported })
+    stations_toml::with(Imported { origin, ..imported }, &stations)
 }
 
 /// A point with its line.

@@ -1,6 +1,6 @@
 //! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
 
-use super::points_toml;
+use super::{points_toml, stations_toml};
 use crate::track::{ImportOptions, Imported, Segment, TrackError, segment};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Keys of the file.
-const KEYS: [&str; 4] = ["name", "width_left_m", "width_right_m", "segment"];
+const KEYS: [&str; 5] = ["name", "width_left_m", "width_right_m", "segment", "station"];
 /// Keys of a segment.
 const SEGMENT_KEYS: [&str; 7] = [
     "length_m",
@@ -56,12 +56,14 @@ pub(super) fn read(text: &str, options: &ImportOptions) -> Result<Imported, Vec<
     let widths = (left.unwrap_or(1.0), right.unwrap_or(1.0));
     let (lines, segments): (Vec<usize>, Vec<Segment>) =
         reader.segments(table, widths).into_iter().unzip();
+    let stations = stations_toml::read(&mut reader, table);
     reader.done()?;
     let item = |i: usize| match lines.get(i) {
         Some(line) => format!("line {line}: segment {}", i + 1),
         None => format!("segment {}", i + 1),
     };
-    segment::build(&name, &segments, widths.0, widths.1, &item).map(Imported::exact)
+    let track = segment::build(&name, &segments, widths.0, widths.1, &item)?;
+    stations_toml::with(Imported::exact(track), &stations)
 }
 
 impl Reader<'_> {
