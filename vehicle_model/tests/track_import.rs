@@ -180,7 +180,7 @@ angle_deg = 90.0
              [m]",
             "line 2, column 16: width_left_m is -4.5; expected a number above 0",
             "line 3, column 1: unknown key `widht_right_m`; expected one of name, width_left_m, \
-             width_right_m, segment",
+             width_right_m, segment, station",
             "line 6, column 12: length_m is of type string; expected a number above 0",
             "line 9, column 12: radius_m is 0.0; expected a number other than 0, positive to the \
              left",

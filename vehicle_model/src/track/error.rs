@@ -132,7 +132,8 @@ pub enum TrackError {
     /// A point far from the line through its neighbours.
     #[error(
         "{item} at {place} lies {distance:.3} m from the line through its neighbours, expected at \
-         most {limit:.3} m (three tenths of the track's width); correct the point or remove it"
+         most {limit:.3} m (three tenths of the track's width); correct the point or \
+         remove it, or check the unit of the widths"
     )]
     Outlier {
         /// Which point, and its line if it came from a file.
