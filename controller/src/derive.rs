@@ -77,7 +77,7 @@ impl Config {
             config.horizon.period = period.min(config.horizon.period);
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap);
-            config.warm_up.speed = WARM_UP_SHARE * lap.mean;
+            config.warm_up.speed = round(WARM_UP_SHARE * lap.mean);
         }
         config
     }
@@ -176,6 +176,12 @@ impl PointMass {
         let time: f64 = v.iter().map(|v| ds / v).sum();
         Self { mean: track.length() / time, top: v.iter().copied().fold(0.0, f64::max) }
     }
+}
+
+/// A speed in numbers a person would write: to 0.1 m/s, below 1 m/s to 0.01 m/s.
+fn round(speed: f64) -> f64 {
+    let parts = if speed < 1.0 { 100.0 } else { 10.0 };
+    ((speed * parts).round() / parts).max(0.1)
 }
 
 /// A car at its top speed is not slowed down by its drive.
