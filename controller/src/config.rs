@@ -154,8 +154,7 @@ pub struct CostConfig {
     /// Gentle start: factor of the acceleration rate in the first learned lap, halved each lap
     /// until `acceleration_rate` is reached. 0 switches it off.
     pub gentle_start: f64,
-    /// Factor of the cost of tyre dissipation's curvature, by which a plan stays near the slip
-    /// angles it was linearised at; 1 is that of the equations, 0 switches it off.
+    /// Factor of the curvature of tyre dissipation; 1 is that of the equations, 0 switches it off.
     pub dissipation: f64,
     /// Quadratic weights of the terminal slack in state order.
     pub terminal_slack: [f64; NX],
@@ -192,8 +191,7 @@ pub struct LimitsConfig {
     /// Distance the centre of gravity of a car parallel to the track keeps from either edge [m].
     #[serde(rename = "lane_margin_m")]
     pub lane_margin: f64,
-    /// Whether the outline of the body keeps what `lane_margin` leaves beside half its width: a car
-    /// that stands across the track keeps farther away.
+    /// Whether the outline of the body keeps what `lane_margin` leaves beside half its width.
     pub body: bool,
     /// Guard on the front slip angle |alpha_f|; 0 switches it off [rad].
     #[serde(rename = "front_slip_rad")]
@@ -282,8 +280,7 @@ impl Config {
         Self::over(&Self::preset(direct.preset), text)
     }
 
-    /// Reads a configuration for a car and a track: what follows from them, overridden by the keys
-    /// of the text.
+    /// What follows from a car and a track, overridden by the keys of the text.
     ///
     /// # Errors
     /// As [`Config::from_toml`].

@@ -138,7 +138,7 @@ impl Controller {
     pub fn set_speed_cap(&mut self, cap: f64) -> Result<(), ConfigError> {
         let mut config = self.setup.config.clone();
         config.limits.speed_cap = cap;
-        self.work.set_speed_cap(&config.checked()?);
+        self.work.set_speed_cap(&config.checked()?, &self.memory);
         Ok(())
     }
 

@@ -16,7 +16,11 @@ const PEAK_SHARE: f64 = 0.85;
 /// Slip guard of tyres whose curve has no peak, and the greatest of any \[rad\].
 const GREATEST_SLIP: f64 = 0.8;
 /// Reserve beside the body as a share of its width.
-const RESERVE_SHARE: f64 = 0.1;
+const RESERVE_WIDTH: f64 = 0.05;
+/// Reserve beside the body as a heading error over one sampling period \[rad\].
+const RESERVE_HEADING: f64 = 0.03;
+/// Ridge weight where lag blurs the inputs: what few samples say of slopes is then noise.
+const LAGGING_RIDGE: f64 = 30.0;
 /// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
 /// blurred inputs for grip.
 const LAG_SHARE: f64 = 0.5;
@@ -72,13 +76,13 @@ impl Config {
             let period = (1e3 * wanted).floor().max(10.0) / 1e3;
             config.horizon.period = period.min(config.horizon.period);
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
-            config.scale(car);
-            config.warm_up.speed = WARM_UP_SHARE * lap.mean;
+            config.scale(car, &lap);
+            config.warm_up.speed = round(WARM_UP_SHARE * lap.mean);
         }
         config
     }
 
-    fn scale(&mut self, car: &CarParams) {
+    fn scale(&mut self, car: &CarParams, lap: &PointMass) {
         let (own, reference) = (Scales::new(car), Scales::reference());
         let length = own.length / reference.length;
         let speed = own.speed / reference.speed;
@@ -89,7 +93,10 @@ impl Config {
         let steps = (self.horizon.steps as f64 * time).round() as usize;
         self.horizon.steps = steps.clamp(self.horizon.steps, MOST);
 
-        self.nominal.adapt_grip &= car.actuator_lag < LAG_SHARE * self.horizon.period;
+        if car.actuator_lag > LAG_SHARE * self.horizon.period {
+            self.nominal.adapt_grip = false;
+            self.regression.ridge = LAGGING_RIDGE;
+        }
         let metric = &mut self.regression.metric;
         let squares = [speed, speed, speed / length, acceleration, 1.0];
         for (weight, scale) in metric.iter_mut().zip(squares) {
@@ -114,7 +121,7 @@ impl Config {
         cost.speed *= time / speed;
 
         let limits = &mut self.limits;
-        limits.lane_margin = 0.5 * car.width + reserve(car, self.horizon.period);
+        limits.lane_margin = 0.5 * car.width + reserve(car, lap, self.horizon.period);
         limits.front_slip = slip_guard(&car.tyre_front);
         limits.rear_slip = slip_guard(&car.tyre_rear);
 
@@ -123,11 +130,10 @@ impl Config {
     }
 }
 
-/// What is kept free beside the body \[m\]: a share of its width, and at least the
-/// `a_y dt^2 / 8` by which the path between two samples bows out.
-fn reserve(car: &CarParams, dt: f64) -> f64 {
-    let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
-    (RESERVE_SHARE * car.width).max(mu * GRAVITY * dt * dt / 8.0)
+/// What is kept free beside the body \[m\]: a share of its width, and of the way driven in one
+/// sampling period at top speed, which is what a heading off by as many radians leads astray.
+fn reserve(car: &CarParams, lap: &PointMass, dt: f64) -> f64 {
+    RESERVE_WIDTH * car.width + RESERVE_HEADING * lap.top * dt
 }
 
 /// A share of the peak slip.
@@ -170,6 +176,12 @@ impl PointMass {
         let time: f64 = v.iter().map(|v| ds / v).sum();
         Self { mean: track.length() / time, top: v.iter().copied().fold(0.0, f64::max) }
     }
+}
+
+/// A speed in numbers a person would write: to 0.1 m/s, below 1 m/s to 0.01 m/s.
+fn round(speed: f64) -> f64 {
+    let parts = if speed < 1.0 { 100.0 } else { 10.0 };
+    ((speed * parts).round() / parts).max(0.1)
 }
 
 /// A car at its top speed is not slowed down by its drive.

@@ -72,9 +72,9 @@ impl Workspace {
         &self.problem
     }
 
-    pub(crate) fn set_speed_cap(&mut self, config: &Config) {
+    pub(crate) fn set_speed_cap(&mut self, config: &Config, memory: &Memory) {
         self.speed_cap = bound(config.limits.speed_cap);
-        self.problem.speed_max.fill(self.speed_cap);
+        self.bound_speed(memory);
         self.solver.forget();
     }
 
@@ -115,8 +115,6 @@ impl Workspace {
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = front_slip(&setup.car, x, u);
-            self.problem.speed_max[t] =
-                memory.derived.envelope.at(memory.plan.x[t + 1].s).min(self.speed_cap);
             let stages = setup.config.horizon.steps - t;
             let dissipation = Dissipation::new(setup, memory.grip, stages);
             let row = &mut self.problem.front[t];
@@ -134,8 +132,16 @@ impl Workspace {
             self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin - left;
             self.problem.e_y_min[t] = margin + right - setup.track.width_right(next.s);
         }
+        self.bound_speed(memory);
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
         learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
+    }
+
+    /// Greatest speed of each stage's end: envelope and cap.
+    fn bound_speed(&mut self, memory: &Memory) {
+        for (most, next) in self.problem.speed_max.iter_mut().zip(memory.plan.x.iter().skip(1)) {
+            *most = memory.derived.envelope.at(next.s).min(self.speed_cap);
+        }
     }
 
     fn regress(&mut self, setup: &Setup, memory: &Memory) {

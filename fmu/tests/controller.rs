@@ -151,12 +151,17 @@ fn drive(
     commands
 }
 
+/// What the FMU derives from car and track.
+fn derived(car: &CarParams, track: &Track) -> Config {
+    Config::derived(controller::Preset::Race, car, track)
+}
+
 #[test]
 fn commands_are_the_controllers_bit_for_bit_and_so_after_rollback_and_revival() {
-    let mut config = Config::default();
-    config.warm_up.laps = WARM_UP_LAPS;
     let track = Arc::new(Track::builtin("l").unwrap());
     let car = CarParams::builtin("barc").unwrap();
+    let mut config = derived(&car, &track);
+    config.warm_up.laps = WARM_UP_LAPS;
     let mut native = Controller::new(config, car, track).unwrap();
     let expected = drive(&mut plant(), 0, STEPS, |k, x| {
         let time = k as f64 * PERIOD;
@@ -192,11 +197,11 @@ fn learned_data_goes_through_a_file_to_the_next_day() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("learned.lmpc");
     let saving = Fmu::with(&[("param.learned_save", path.to_str().unwrap())]);
-    drive(&mut plant(), 0, STEPS / 2, |k, x| saving.step(k, x));
+    drive(&mut plant(), 0, STEPS * 3 / 4, |k, x| saving.step(k, x));
 
-    let mut config = Config::default();
-    config.warm_up.laps = WARM_UP_LAPS;
     let (car, start) = (CarParams::builtin("barc").unwrap(), plant());
+    let mut config = derived(&car, start.track());
+    config.warm_up.laps = WARM_UP_LAPS;
     let mut native = Controller::new(config, car, start.track().clone()).unwrap();
     native.load(&std::fs::read(&path).unwrap()).unwrap();
     assert!(native.laps().len() > 1, "{} laps", native.laps().len());

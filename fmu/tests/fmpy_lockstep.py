@@ -23,6 +23,8 @@ COMMAND = ["cmd.a", "cmd.delta"]
 # What `lmpc race` tells the controller of the small car, whose grip is 0.9.
 NOMINAL_MU = 1.2
 LEAST = 500
+# How the car starts: at the speed of the initial laps, which follows from car and track.
+START = {}
 
 
 def bits(numbers):
@@ -33,6 +35,7 @@ def native(path):
     """The commands of a race; its numbers are printed so that reading them gives the same bits."""
     with Path(path).open(newline="") as file:
         rows = list(csv.DictReader(file))
+    START["initial.v_x"] = float(rows[0]["v_x_mps"])
     learned = sum(row["action"] == "learned" for row in rows)
     assert len(rows) >= LEAST and learned > 100, f"{len(rows)} steps, {learned} learned: too few"
     return [bits([float(row["a_mps2"]), float(row["delta_rad"])]) for row in rows]
@@ -40,7 +43,7 @@ def native(path):
 
 def make(fmus, controller, vehicle):
     return (Fmu(fmus / f"fmi{controller}/lmpc-controller.fmu", **{"param.nominal_mu": NOMINAL_MU}),
-            Fmu(fmus / f"fmi{vehicle}/lmpc-vehicle.fmu"))
+            Fmu(fmus / f"fmi{vehicle}/lmpc-vehicle.fmu", **START))
 
 
 def drive(pair, begin, end):

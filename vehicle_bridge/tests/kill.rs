@@ -35,10 +35,11 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn controller() -> Controller {
-    let mut config = Config::default();
-    config.warm_up.laps = 1;
     let nominal = CarParams::builtin("barc").unwrap().with_mu(1.2);
-    Controller::new(config, nominal, Arc::new(Track::builtin("l").unwrap())).unwrap()
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let mut config = Config::derived(controller::Preset::Race, &nominal, &track);
+    config.warm_up.laps = 1;
+    Controller::new(config, nominal, track).unwrap()
 }
 
 /// The bits of all lap times in a file, which must be whole.

@@ -32,10 +32,11 @@ const REST: usize = 60;
 const EFFECT: usize = 20;
 
 fn controller() -> Controller {
-    let mut config = Config::default();
-    config.warm_up.laps = 1;
     let nominal = CarParams::builtin("barc").unwrap().with_mu(1.2);
-    Controller::new(config, nominal, Arc::new(Track::builtin("l").unwrap())).unwrap()
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let mut config = Config::derived(controller::Preset::Race, &nominal, &track);
+    config.warm_up.laps = 1;
+    Controller::new(config, nominal, track).unwrap()
 }
 
 /// Replays the messages on the channels that are kept.

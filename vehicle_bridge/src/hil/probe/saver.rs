@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context as _, Result, bail};
-use controller::{Config, Controller, Measurement, Pose};
+use controller::{Config, Controller, Measurement, Pose, Preset};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
 use vehicle_model::{Plant, PlantParams, State};
@@ -94,10 +94,10 @@ fn written(path: &Path) -> Option<SystemTime> {
 }
 
 fn controller() -> Result<Controller> {
-    let mut config = Config::default();
+    let (nominal, track) = (load::car("barc")?.with_mu(1.2), load::track("l")?);
+    let mut config = Config::derived(Preset::Race, &nominal, &track);
     config.warm_up.laps = 1;
-    let nominal = load::car("barc")?.with_mu(1.2);
-    Ok(Controller::new(config, nominal, load::track("l")?)?)
+    Ok(Controller::new(config, nominal, track)?)
 }
 
 /// Controllers that know one and two laps.
