@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const ORDERS: [(usize, i8, f64); 6] = [
     (30, OperatorCommand::SET_SPEED_CAP, 0.6),
     (40, OperatorCommand::SET_SPEED_CAP, 0.0),
-    (160, OperatorCommand::SET_SPEED_CAP, 1.2),
+    (230, OperatorCommand::SET_SPEED_CAP, 1.2),
     (70, OperatorCommand::SET_SPEED_CAP, 0.0),
     (40, OperatorCommand::STOP, 0.0),
     (40, OperatorCommand::START, 0.0),
