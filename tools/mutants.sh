@@ -14,13 +14,6 @@ cat > "$package/src/lib.rs" <<'RUST'
 //! The safety core and the limiter, alone.
 pub mod limiter;
 pub mod safety;
-pub mod network {
-    pub mod convert {
-        pub fn track_id(track: &vehicle_model::Track) -> i64 {
-            lcm_types::crc::of(&track.fingerprint().to_le_bytes()).into()
-        }
-    }
-}
 RUST
 # The limiter's own copy: mutants of it are judged by its own tests.
 sed -i 's/^use crate::params::CarParams;/use vehicle_model::CarParams;/
@@ -32,7 +25,6 @@ name = "mutants"
 edition = "2024"
 [workspace]
 [dependencies]
-controller = { path = "$root/controller" }
 lcm_types = { path = "$root/lcm_types" }
 vehicle_model = { path = "$root/vehicle_model" }
 TOML

@@ -13,6 +13,7 @@ pub mod doctor;
 pub mod export;
 pub mod hil;
 pub mod mapping;
+pub mod memory;
 pub mod network;
 pub mod optimal;
 pub mod page;

@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result, bail};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
-use crate::network::pulse::resident_mb;
+use crate::memory::resident_mb;
 
 /// How long a program has to end after SIGINT before it is killed.
 const GRACE: Duration = Duration::from_millis(300);

@@ -10,13 +10,13 @@ const ROUNDING_NS: f64 = 1.0;
 /// What both ends call a track: the CRC-32 of its fingerprint. \[-\]
 #[must_use]
 pub fn track_id(track: &Track) -> i64 {
-    crc::of(&track.fingerprint().to_le_bytes()).into()
+    crc::id(track.fingerprint())
 }
 
 /// What both ends call a car: the CRC-32 of its fingerprint. \[-\]
 #[must_use]
 pub fn car_id(car: &CarParams) -> i64 {
-    crc::of(&car.fingerprint().to_le_bytes()).into()
+    crc::id(car.fingerprint())
 }
 
 /// What both ends call a configuration: the CRC-32 of all its values but the seed of the warm-up

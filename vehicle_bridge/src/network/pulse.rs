@@ -9,14 +9,13 @@ use lcm_types::{Heartbeat, Setup, Track, channels};
 
 use super::guard::Counts;
 use super::outlet::{Identity, Outlet};
+use crate::memory::resident_mb;
 use crate::transport::Transport;
 use crate::worker::Worker;
 
 const INTERVAL: Duration = Duration::from_millis(100);
 /// Heartbeats from one message of track and setup to the next. \[-\]
 const PLACE_EVERY: u64 = 10;
-/// Pages of memory on every system this runs on. \[MB\]
-const PAGE_MB: f32 = 4096.0 / 1e6;
 
 /// What a program says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -119,13 +118,6 @@ fn beat<D: Display + Clone>(
         due += INTERVAL;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
-}
-
-/// Resident memory of a process, by its id; 0 where the system does not tell. \[MB\]
-pub(crate) fn resident_mb(process: &str) -> f32 {
-    let text = std::fs::read_to_string(format!("/proc/{process}/statm")).unwrap_or_default();
-    let pages = text.split_whitespace().nth(1).and_then(|pages| pages.parse::<f32>().ok());
-    pages.unwrap_or(0.0) * PAGE_MB
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::doubt::DoubtLimits;
 use super::doubt::response::GRIPS;
-use controller::Tracker;
-use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track};
+use lcm_types::crc;
+use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track, Tracker};
 
 /// What a controller, or a bridge, was set up with. A value of 0 is not compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,8 +79,8 @@ impl Rules {
             still: 0.1,
             boot_id: 0,
             setup: Setup {
-                track_id: crate::network::convert::track_id(track),
-                car_id: crate::network::convert::car_id(car),
+                track_id: crc::id(track.fingerprint()),
+                car_id: crc::id(car.fingerprint()),
                 config_id: 0,
                 period_ns,
             },

@@ -5,7 +5,6 @@ use controller::Config;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use crate::cli::StudyName;
 use crate::race::words::model_word;
 use crate::settings::Layers;
 
@@ -68,6 +67,29 @@ pub struct Paper {
     pub failed_in: Option<f64>,
     /// Runs that failed, of ten.
     pub failed_runs: Option<u32>,
+}
+
+/// The studies of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StudyName {
+    /// Table I: cost of the control rate.
+    Crc,
+    /// Bandwidth of the regression's kernel.
+    Bandwidth,
+    /// Table II: the tenth-scale car, emulated.
+    Hardware,
+}
+
+impl StudyName {
+    /// The name as on the command line.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Crc => "crc",
+            Self::Bandwidth => "bandwidth",
+            Self::Hardware => "hardware",
+        }
+    }
 }
 
 /// One cell: what its runs have in common apart from the seed.

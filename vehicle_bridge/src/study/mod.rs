@@ -8,7 +8,7 @@ mod runs;
 mod table;
 pub mod tracks;
 
-pub use definition::{Cell, Definition, Paper};
+pub use definition::{Cell, Definition, Paper, StudyName};
 pub use ledger::{Ledger, RunRow, StudyLap};
 pub use plots::page;
 pub use runs::{Plan, run_one};

@@ -32,19 +32,11 @@ use lcm_types::channels;
 pub use dispatch::Sink;
 pub use error::Error;
 pub use inbox::{Inbox, Received};
+pub use lcm_types::Arrival;
 pub use reassembly::{EXPIRY_NS, MAX_MESSAGE, MAX_PARTIAL};
 pub use statistics::{MAX_SENDERS, SenderStatistics, Statistics};
 pub use udpm::Udpm;
 pub use url::{DEFAULT_URL, UdpmOptions, Url};
-
-/// When a message arrived.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Arrival {
-    /// Wall clock, since 1970: for logs. \[us\]
-    pub utime: i64,
-    /// `CLOCK_MONOTONIC` of this host: for ages. \[ns\]
-    pub mono_ns: i64,
-}
 
 /// A message as it arrives, borrowed from the receiver's buffer.
 #[derive(Debug, Clone, Copy)]

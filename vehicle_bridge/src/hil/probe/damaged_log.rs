@@ -27,8 +27,12 @@ const READY: &str = "BENCH/READY";
 /// Exit codes from here on are no answer: a panic, a signal.
 const CRASHED: i32 = 101;
 
-/// Drives, damages, replays.
-pub(super) fn run(dir: &Path, seed: u64, url: &str) -> Result<Measured> {
+/// Records a short drive on the network `url`, damages the log and replays it: no command before the
+/// damage may be lost, and nothing may crash.
+///
+/// # Errors
+/// If the drive cannot be recorded or the log not be written.
+pub fn run(dir: &Path, seed: u64, url: &str) -> Result<Measured> {
     let log = dir.join("drive.log");
     drive(&log, url)?;
     let whole = fs::read(&log).with_context(|| format!("cannot read {}", log.display()))?;

@@ -16,7 +16,6 @@ use rand_pcg::Pcg64;
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::Measured;
-use crate::console::result;
 use crate::race::{learned, load};
 
 const FILE: &str = "learned.lmpc";
@@ -27,8 +26,11 @@ const LATEST_US: u64 = 8_000;
 /// Steps of two laps at the speed of the first ones are far fewer. \[-\]
 const MOST_STEPS: u32 = 10_000;
 
-/// Kills a saver so many times.
-pub(super) fn kills(dir: &Path, seed: u64, kills: u32) -> Result<Measured> {
+/// Kills a saver `kills` times, each at a moment drawn from `seed`, and counts the damaged files.
+///
+/// # Errors
+/// If the saver cannot be started or the folder not be written.
+pub fn kills(dir: &Path, seed: u64, kills: u32) -> Result<Measured> {
     let two = two()?;
     for (name, controller) in KNOWN.iter().zip(&two) {
         learned::save(&dir.join(name), controller)?;
@@ -59,15 +61,19 @@ pub(super) fn kills(dir: &Path, seed: u64, kills: u32) -> Result<Measured> {
     ])
 }
 
-/// Saves, one after the other, until it is killed.
-pub(super) fn save(dir: &Path) -> Result<Measured> {
+/// Saves two sets of learned data in turn until the process is killed; calls `ready` before the
+/// first save.
+///
+/// # Errors
+/// If a file cannot be read or written.
+pub fn save(dir: &Path, ready: impl FnOnce() -> Result<()>) -> Result<Measured> {
     let mut known = Vec::new();
     for name in KNOWN {
         let mut controller = controller()?;
         learned::load(&dir.join(name), &mut controller)?;
         known.push(controller);
     }
-    result("ready")?;
+    ready()?;
     loop {
         for controller in &known {
             learned::save(&dir.join(FILE), controller)?;

@@ -1,6 +1,8 @@
 //! Centre-line tracking: the initial laps, and what is left when no plan is.
 
-use vehicle_model::{CarParams, Input, State, Track};
+use crate::params::CarParams;
+use crate::state::{Input, State};
+use crate::track::Track;
 
 /// Rise time of the speed loop [s].
 const SPEED_TIME: f64 = 0.5;
@@ -40,8 +42,9 @@ impl Tracker {
         }
     }
 
-    /// Follows the centre line at speed `v_ref`.
-    pub(crate) fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
+    /// Follows the centre line at speed `v_ref` \[m/s\], slower where a bend ahead asks for it.
+    #[must_use]
+    pub fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
         let v_ref = v_ref.min(self.bend_speed(x, track));
         let a = ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a);
         Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
