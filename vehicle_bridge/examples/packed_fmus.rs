@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose};
-use vehicle_bridge::vehicle::Vehicle;
-use vehicle_bridge::vehicle::fmu::{FmuOptions, FmuVehicle, Slave, Value, Variable};
+use vehicle_host::Vehicle;
+use vehicle_host::fmu::{FmuOptions, FmuVehicle, Slave, Value, Variable};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 const STEPS: usize = 400;

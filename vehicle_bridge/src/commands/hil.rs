@@ -12,8 +12,8 @@ use super::network::on_signal;
 use crate::check::check_file;
 use crate::cli::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
-use crate::hil::host::NETWORK_UP;
-use crate::hil::{Bench, Verdict, drive, execute, probe, verdict};
+use hil_bench::host::NETWORK_UP;
+use hil_bench::{Bench, Verdict, drive, execute, probe, verdict};
 
 const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
 

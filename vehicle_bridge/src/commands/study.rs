@@ -10,8 +10,8 @@ use super::Outcome;
 use super::study_tracks;
 use crate::cli::{PaperStudyArgs, Study, StudyArgs};
 use crate::console::{Talk, result};
-use crate::parallel::{parallel, threads};
-use crate::study::{
+use hosting::parallel::{parallel, threads};
+use studies::{
     Cell, Definition, Ledger, Plan, RunRow, StudyName, page, run_one, summarize, text_table,
 };
 
