@@ -54,7 +54,10 @@ impl Controller {
             NominalModel::Kinematic => ModelKind::Kinematic,
         };
         let (dt, substeps) = (config.horizon.period, config.horizon.substeps);
-        let model = Discretized { model: Model::new(kind, car.clone()), dt, substeps };
+        let mut nominal = car.clone();
+        nominal.tyre_front = nominal.tyre_front.with_secant(config.nominal.secant);
+        nominal.tyre_rear = nominal.tyre_rear.with_secant(config.nominal.secant);
+        let model = Discretized { model: Model::new(kind, nominal), dt, substeps };
         Ok(Self {
             memory: Memory::new(&config),
             work: Workspace::new(&config, &car),

@@ -21,6 +21,11 @@ const RESERVE_WIDTH: f64 = 0.05;
 const RESERVE_HEADING: f64 = 0.03;
 /// Ridge weight where lag blurs the inputs: what few samples say of slopes is then noise.
 const LAGGING_RIDGE: f64 = 30.0;
+/// Secant length where lag makes corrections come late: tangents near the peak then make the
+/// steering chatter.
+const LAGGING_SECANT: f64 = 0.3;
+/// Least growth of the speed from lap to lap where corrections come late.
+const LAGGING_GROWTH: f64 = 0.02;
 /// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
 /// blurred inputs for grip.
 const LAG_SHARE: f64 = 0.5;
@@ -96,6 +101,8 @@ impl Config {
         if car.actuator_lag > LAG_SHARE * self.horizon.period {
             self.nominal.adapt_grip = false;
             self.regression.ridge = LAGGING_RIDGE;
+            self.nominal.secant = LAGGING_SECANT;
+            self.envelope.growth_least = LAGGING_GROWTH;
         }
         let metric = &mut self.regression.metric;
         let squares = [speed, speed, speed / length, acceleration, 1.0];

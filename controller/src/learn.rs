@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use vehicle_model::Outline;
+
 use crate::config::{NominalModel, RegressionMode, Selection};
 use crate::controller::Controller;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
-use crate::learning::envelope::Envelope;
+use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip;
 use crate::learning::regression::{RegressionData, Targets};
 use crate::memory::Memory;
@@ -50,13 +52,32 @@ impl Controller {
         }
         let chosen = selected.iter().map(|&i| &*laps[i]);
         let (car, track) = (&self.setup.car, &self.setup.track);
-        derived.envelope = Envelope::new(&config.envelope, car, self.memory.grip, track, chosen);
+        for lap in derived.searched..laps.len() {
+            self.find_near_misses(&mut derived.near_misses, lap);
+        }
+        derived.searched = laps.len();
+        derived.near_misses.retain(|miss| miss.lap + REMEMBERED >= laps.len());
+        let misses = (&derived.near_misses[..], laps.len());
+        derived.envelope =
+            Envelope::new(&config.envelope, car, self.memory.grip, track, chosen, misses);
         derived.selected = selected;
         derived.regression.forget_before(first);
         for lap in derived.regression.next_lap(first)..laps.len() {
             derived.regression.add(lap, &self.targets(lap));
         }
         self.memory.derived = Arc::new(derived);
+    }
+
+    /// Where a learned lap used up the reserve beside the body.
+    fn find_near_misses(&self, list: &mut Vec<NearMiss>, lap: usize) {
+        let (car, limits) = (&self.setup.car, &self.setup.config.limits);
+        let reserve = limits.lane_margin - 0.5 * car.width;
+        let of = &self.memory.dataset.laps[lap];
+        if !limits.body || reserve <= 0.0 || of.result.kind != LapKind::Learning {
+            return;
+        }
+        let (outline, track) = (Outline::new(car), &self.setup.track);
+        NearMiss::find(list, lap, of, |x| 1.0 + outline.overhang(track, x) / reserve);
     }
 
     /// What the regression learns from a lap.

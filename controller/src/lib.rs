@@ -29,6 +29,7 @@ mod observe;
 mod optimize;
 mod plan;
 mod presets;
+mod slip;
 mod snapshot;
 mod status;
 mod store;

@@ -10,7 +10,7 @@ use vehicle_model::{Input, State};
 
 use crate::config::Config;
 use crate::learning::dataset::Dataset;
-use crate::learning::envelope::Envelope;
+use crate::learning::envelope::{Envelope, NearMiss};
 use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
 
@@ -62,6 +62,10 @@ pub(crate) struct Derived {
     pub(crate) selected: Vec<usize>,
     pub(crate) regression: RegressionData,
     pub(crate) envelope: Envelope,
+    /// Near misses of the latest laps.
+    pub(crate) near_misses: Vec<NearMiss>,
+    /// Laps that were searched for them.
+    pub(crate) searched: usize,
     /// Grip with which their residuals were computed.
     pub(crate) grip: [f64; 2],
 }

@@ -1,19 +1,17 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
-use nalgebra::{Vector2, Vector3, Vector6};
-use vehicle_model::{CarParams, Input, Outline, SlipAngles, State};
+use nalgebra::{Vector2, Vector6};
+use vehicle_model::{CarParams, Input, Outline, State};
 
 use crate::config::Config;
 use crate::controller::Setup;
-use crate::fhocp::{Fhocp, FhocpSolver, Slacks, SlipRow, Solution, SolveReport, Solver};
+use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
 use crate::learning::safe_set::{Query, SafeSet};
 use crate::memory::Memory;
+use crate::slip::{self, Dissipation};
 use crate::status::{Phase, Probe};
-
-/// Speed below which delay per speed is no longer told by the quotient [m/s].
-const SLOW: f64 = 0.5;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
@@ -114,16 +112,19 @@ impl Workspace {
         self.points.clear();
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
-            self.problem.front[t] = front_slip(&setup.car, x, u);
+            self.problem.front[t] = slip::front(&setup.car, x, u);
             let stages = setup.config.horizon.steps - t;
             let dissipation = Dissipation::new(setup, memory.grip, stages);
             let row = &mut self.problem.front[t];
             row.weight = dissipation.weight(x.v_x, 0, row.reference);
             // The lane and the rear guard bind the state at the stage's end.
             let next = &memory.plan.x[t + 1];
-            self.problem.rear[t] = rear_slip(&setup.car, next);
+            self.problem.rear[t] = slip::rear(&setup.car, next);
             let row = &mut self.problem.rear[t];
             row.weight = dissipation.weight(next.v_x, 1, row.reference);
+            if setup.config.limits.rear_load {
+                self.problem.rear_share[t] = slip::rear_share(&setup.car, next.v_x, u.a);
+            }
             let margin = setup.config.limits.lane_margin;
             let [left, right] = match &self.outline {
                 Some(outline) => across(outline, next, setup.track.kappa(next.s)),
@@ -236,39 +237,6 @@ impl Workspace {
     }
 }
 
-/// What slipping tyres cost: the curvature that the linearised v_x row lacks.
-///
-/// A tyre takes F_y alpha / m of the acceleration along the path (the power F_y v alpha lost in
-/// the contact patch), about C_alpha alpha^2 / m, which is convex in alpha. Linearised at alpha
-/// other than 0, reversing the slip looks like thrust. A speed lost now delays the car by
-/// (N - t) / v steps per m/s at the horizon's end, so that the missing term is
-/// `(N - t) / v dt C_alpha / m (alpha - ref)^2`, with the secant stiffness C_alpha = F_y / alpha.
-struct Dissipation<'a> {
-    car: &'a CarParams,
-    grip: [f64; 2],
-    /// Factor of `C_alpha / (m v)`.
-    factor: f64,
-}
-
-impl<'a> Dissipation<'a> {
-    fn new(setup: &'a Setup, grip: [f64; 2], stages: usize) -> Self {
-        let factor = setup.config.cost.dissipation * stages as f64 * setup.config.horizon.period;
-        Self { car: &setup.car, grip, factor }
-    }
-
-    /// Weight of the squared slip angle of an axle, front 0, rear 1, in steps [1/rad^2].
-    fn weight(&self, v_x: f64, axle: usize, alpha: f64) -> f64 {
-        let car = self.car;
-        let tyre = [&car.tyre_front, &car.tyre_rear][axle];
-        let lift = 0.5 * car.rho * car.area * [car.cl_front, car.cl_rear][axle];
-        let load = car.static_loads()[axle] + lift * v_x * v_x;
-        let alpha = alpha.abs().max(1e-3);
-        let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
-        let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
-        self.factor * stiffness / (car.mass * v_x.max(SLOW))
-    }
-}
-
 /// How much farther than half its width the body reaches to the left and to the right [m].
 fn across(outline: &Outline, x: &State, kappa: f64) -> [f64; 2] {
     let extent = outline.extent(kappa, x.e_psi.clamp(-ACROSS, ACROSS), x.e_y);
@@ -289,29 +257,4 @@ fn bound(limit: f64) -> f64 {
 /// Greatest change in one period.
 fn rate(limit: Option<f64>, dt: f64) -> f64 {
     limit.map_or(f64::INFINITY, |limit| limit * dt)
-}
-
-/// The front slip angle linearised at (x, u).
-fn front_slip(car: &CarParams, x: &State, u: &Input) -> SlipRow {
-    let slip = SlipAngles::new(x, u, car);
-    let velocity = slip.front_gradient;
-    let offset = slip.front - u.delta - velocity.dot(&velocities(x));
-    SlipRow { velocity: velocity.into(), steering: 1.0, offset, weight: 0.0, reference: slip.front }
-}
-
-/// The rear slip angle linearised at x.
-fn rear_slip(car: &CarParams, x: &State) -> SlipRow {
-    let slip = SlipAngles::new(x, &Input::default(), car);
-    let velocity = slip.rear_gradient;
-    SlipRow {
-        velocity: velocity.into(),
-        steering: 0.0,
-        offset: slip.rear - velocity.dot(&velocities(x)),
-        weight: 0.0,
-        reference: slip.rear,
-    }
-}
-
-fn velocities(x: &State) -> Vector3<f64> {
-    Vector3::new(x.v_x, x.v_y, x.omega_z)
 }

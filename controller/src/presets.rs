@@ -44,7 +44,7 @@ impl Config {
                 metric: [5.0, 5.0, 1.0, 1.0, 5.0],
                 features: Features::Own,
             },
-            nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false },
+            nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false, secant: 0.0 },
             cost: CostConfig {
                 input: 1e-3,
                 input_acceleration: 1e-3,
@@ -72,6 +72,7 @@ impl Config {
                 body: false,
                 front_slip: 0.11,
                 rear_slip: 0.09,
+                rear_load: false,
                 speed_cap: 0.0,
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
@@ -107,7 +108,13 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
-            limits: LimitsConfig { body: true, front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
+            limits: LimitsConfig {
+                body: true,
+                front_slip: 0.14,
+                rear_slip: 0.14,
+                rear_load: true,
+                ..paper.limits
+            },
             ..paper
         }
     }

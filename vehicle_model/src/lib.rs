@@ -32,7 +32,7 @@ pub use model::{
     SpatialExpansion,
 };
 pub use outline::{BodyPoint, Extent, Outline};
-pub use params::{CarParams, GRAVITY, ParamProblem, Tyre};
+pub use params::{CarParams, GRAVITY, ParamProblem, Secant, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};

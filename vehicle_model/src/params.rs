@@ -16,6 +16,11 @@ pub use check::ParamProblem;
 /// Standard gravity, as the reference numbers use it [m/s^2].
 pub const GRAVITY: f64 = 9.81;
 
+/// Share of the peak slip from which on derivatives may be secants.
+const SECANT_FROM: f64 = 0.4;
+/// Share of the peak slip from which on secants have their full length.
+const SECANT_FULL: f64 = 0.85;
+
 /// Lateral tyre of one axle: F_y = D sin(C atan(B alpha)) with D = mu F_z (Pacejka 2012, eq. 4.6,
 /// without curvature term).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,9 +31,43 @@ pub struct Tyre {
     pub c: f64,
     /// Peak friction coefficient of the axle [-].
     pub mu: f64,
+    /// Where derivatives of the force are secants.
+    #[serde(skip)]
+    pub secant: Secant,
+}
+
+/// Where derivatives of the lateral force are slopes of secants instead of tangents.
+///
+/// Near its peak the curve is flat to the outside and steep to the inside: a tangent there says
+/// that less slip costs no force. The secant to a smaller slip angle says what it costs. Values are
+/// not affected, only derivatives. The default is tangents everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Secant {
+    /// Slip angle from which on \[rad\].
+    pub from: f64,
+    /// Slip angle from which on they have their full length \[rad\].
+    pub full: f64,
+    /// Their full length \[rad\]; 0: tangents.
+    pub length: f64,
 }
 
 impl Tyre {
+    /// The same tyre with secants of `share` of its peak slip at [`SECANT_FULL`] of that; curves
+    /// without a peak keep their tangents.
+    #[must_use]
+    pub fn with_secant(self, share: f64) -> Self {
+        let peak = self.peak_slip();
+        if share <= 0.0 || !peak.is_finite() {
+            return Self { secant: Secant::default(), ..self };
+        }
+        let secant = Secant {
+            from: SECANT_FROM * peak,
+            full: SECANT_FULL * peak,
+            length: share.min(SECANT_FROM) * peak,
+        };
+        Self { secant, ..self }
+    }
+
     /// Slip angle of the peak lateral force, tan(pi/(2C))/B [rad]; infinite for C <= 1, whose
     /// curve has no peak.
     #[must_use]

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use vehicle_model::{
-    CarParams, Discretized, Input, Model, ModelKind, NU, NX, PoseConvention, Segment, State, Track,
-    Tyre, params::GRAVITY,
+    CarParams, Discretized, Input, Model, ModelKind, NU, NX, PoseConvention, Secant, Segment,
+    State, Track, Tyre, params::GRAVITY,
 };
 
 const EXACT: f64 = 1e-10;
@@ -39,7 +39,7 @@ impl Vehicle {
     /// The reference's car, its blend off.
     fn car(&self, mu: f64) -> CarParams {
         assert_eq!(self.g, GRAVITY);
-        let tyre = Tyre { b: self.pacejka_B, c: self.pacejka_C, mu };
+        let tyre = Tyre { b: self.pacejka_B, c: self.pacejka_C, mu, secant: Secant::default() };
         CarParams {
             mass: self.m,
             inertia_z: self.Iz,

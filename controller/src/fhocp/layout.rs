@@ -225,7 +225,7 @@ fn inequalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) 
             let slack = shape.rear_slack() + t;
             let row = &problem.rear[t];
             for sign in [1.0, -1.0] {
-                let bound = problem.rear_max - sign * row.offset;
+                let bound = problem.rear_max * problem.rear_share[t] - sign * row.offset;
                 rows.soft(&velocities(row, shape.x(t + 1), sign), slack, bound);
             }
             rows.bound(slack, -1.0, 0.0);

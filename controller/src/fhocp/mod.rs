@@ -9,7 +9,7 @@
 //!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
-//!            |alpha_r(x_t)| <= rear_max + g_t                     t = 1..N
+//!            |alpha_r(x_t)| <= rear_max share_t + g_t                     t = 1..N
 //!            v_x(x_t) <= speed_max_t + p_t                        t = 1..N
 //!            x_N = X lambda + e,  lambda >= 0,  1' lambda = 1,  slacks >= 0
 //! ```
@@ -104,6 +104,8 @@ pub struct Fhocp {
     pub front_max: f64,
     /// Bound on the rear slip angle; infinite for none [rad].
     pub rear_max: f64,
+    /// Share of `rear_max` that bounds stage t + 1, N.
+    pub rear_share: Vec<f64>,
     /// Linear weight of the slip slacks.
     pub slip_linear: f64,
     /// Greatest v_x of stage t + 1, N; all infinite for none [m/s].
@@ -139,6 +141,7 @@ impl Fhocp {
             rear: vec![SlipRow::default(); horizon],
             front_max: f64::INFINITY,
             rear_max: f64::INFINITY,
+            rear_share: vec![1.0; horizon],
             slip_linear: 0.0,
             speed_max: vec![f64::INFINITY; horizon],
             speed_linear: 0.0,

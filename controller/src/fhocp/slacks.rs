@@ -36,7 +36,8 @@ impl Slacks {
             let e_y = next[5];
             self.lane.push((problem.e_y_min[t] - e_y).max(e_y - problem.e_y_max[t]).max(0.0));
             self.front.push((problem.front[t].angle(x, delta).abs() - problem.front_max).max(0.0));
-            self.rear.push((problem.rear[t].angle(next, 0.0).abs() - problem.rear_max).max(0.0));
+            let rear_max = problem.rear_max * problem.rear_share[t];
+            self.rear.push((problem.rear[t].angle(next, 0.0).abs() - rear_max).max(0.0));
             self.speed.push((next[0] - problem.speed_max[t]).max(0.0));
         }
     }

@@ -13,10 +13,19 @@
 //!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
-use vehicle_model::{CarParams, GRAVITY, Track};
+use vehicle_model::{CarParams, GRAVITY, State, Track};
 
 use super::dataset::Lap;
 use crate::config::EnvelopeConfig;
+
+/// Share of the reserve beside the body whose use is no near miss.
+const TOLERATED: f64 = 0.25;
+/// Share of the speed taken back where the whole reserve was used up.
+const SLOWER: f64 = 0.05;
+/// Share of the speed given again with each lap since.
+const TRUST: f64 = 0.01;
+/// Laps after which a near miss is forgotten.
+pub(crate) const REMEMBERED: usize = 8;
 
 /// Grid points at most: a longer track gets a coarser grid.
 const POINTS: usize = 20_000;
@@ -32,6 +41,38 @@ pub(crate) struct Envelope {
     driven: Vec<f64>,
 }
 
+/// A stretch on which the body came closer to an edge than the lane margin allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct NearMiss {
+    /// Index of the lap among all.
+    pub(crate) lap: usize,
+    /// Where the stretch begins and ends \[m\].
+    pub(crate) s: [f64; 2],
+    /// Speed there \[m/s\].
+    pub(crate) speed: f64,
+    /// Share of the reserve beside the body that was used up, 0 to 1.
+    pub(crate) used: f64,
+}
+
+impl NearMiss {
+    /// Adds those of a lap; `used` gives the share of the reserve that a state uses up.
+    pub(crate) fn find(list: &mut Vec<Self>, lap: usize, of: &Lap, used: impl Fn(&State) -> f64) {
+        for pair in of.samples.windows(2) {
+            let used = used(&pair[0].x);
+            if used > TOLERATED {
+                let s = [pair[0].x.s, pair[1].x.s];
+                list.push(Self { lap, s, speed: pair[0].x.v_x, used: used.min(1.0) });
+            }
+        }
+    }
+
+    /// Greatest speed there after `age` more laps \[m/s\].
+    fn allowed(&self, age: usize) -> f64 {
+        let slower = 1.0 - SLOWER * self.used;
+        self.speed * slower * libm::pow(1.0 + TRUST, age as f64)
+    }
+}
+
 impl Envelope {
     /// The envelope of `laps`; without laps, or switched off, there is no bound.
     pub(crate) fn new<'a>(
@@ -40,6 +81,7 @@ impl Envelope {
         grip: [f64; 2],
         track: &Track,
         laps: impl Iterator<Item = &'a Lap>,
+        misses: (&[NearMiss], usize),
     ) -> Self {
         let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
         let points = (wanted as usize).clamp(16, POINTS);
@@ -58,6 +100,7 @@ impl Envelope {
         }
         envelope.fill_gaps();
         envelope.brake(config, car);
+        envelope.slow_down(config, car, misses);
         envelope
     }
 
@@ -119,17 +162,53 @@ impl Envelope {
     /// The backward pass.
     fn brake(&mut self, config: &EnvelopeConfig, car: &CarParams) {
         let n = self.speed.len();
-        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-        let brake = config.brake_share * brakes.min(-car.a_min);
         for i in (0..2 * n).rev() {
-            let after = self.speed[(i + 1) % n];
-            let drag = 0.5 * car.rho * car.cd * car.area * after * after / car.mass
-                + car.linear_drag * after;
-            let most = (after * after + 2.0 * self.ds * (brake + drag)).sqrt();
+            let most = braked_to(config, car, self.speed[(i + 1) % n], self.ds);
             let here = &mut self.speed[i % n];
             *here = here.min(most).max(self.driven[i % n]);
         }
     }
+
+    /// Less where `misses`, of `count` laps in all, say so, and as far before as braking takes.
+    fn slow_down(
+        &mut self,
+        config: &EnvelopeConfig,
+        car: &CarParams,
+        (misses, count): (&[NearMiss], usize),
+    ) {
+        if misses.is_empty() {
+            return;
+        }
+        let n = self.speed.len();
+        // The driven speeds are done with: their memory serves.
+        self.driven.fill(f64::INFINITY);
+        for miss in misses {
+            let age = count - 1 - miss.lap;
+            let first = (miss.s[0] / self.ds).floor().max(0.0) as usize;
+            let last = (miss.s[1] / self.ds).ceil().max(0.0) as usize;
+            for i in first..=last {
+                let here = &mut self.driven[i % n];
+                *here = here.min(miss.allowed(age));
+            }
+        }
+        for i in (0..2 * n).rev() {
+            let most = braked_to(config, car, self.driven[(i + 1) % n], self.ds);
+            let here = &mut self.driven[i % n];
+            *here = here.min(most);
+        }
+        for (speed, most) in self.speed.iter_mut().zip(&self.driven) {
+            *speed = speed.min(*most);
+        }
+    }
+}
+
+/// Greatest speed from which the brakes reach `after` within `ds` \[m/s\].
+fn braked_to(config: &EnvelopeConfig, car: &CarParams, after: f64, ds: f64) -> f64 {
+    let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
+    let brake = config.brake_share * brakes.min(-car.a_min);
+    let drag =
+        0.5 * car.rho * car.cd * car.area * after * after / car.mass + car.linear_drag * after;
+    (after * after + 2.0 * ds * (brake + drag)).sqrt()
 }
 
 /// Lateral acceleration the tyres hold.

@@ -1,6 +1,6 @@
 //! Lateral tyre forces: slip angles and the Pacejka curve.
 
-use crate::number::Number;
+use crate::number::{Number, Real};
 use crate::params::Tyre;
 
 /// Lowest v_x the slip angles divide by [m/s].
@@ -24,9 +24,32 @@ pub(super) fn slip_angles<T: Number>(l_f: f64, l_r: f64, v: &[T; 3], delta: T) -
     ]
 }
 
-/// F_y = D sin(C atan(B alpha)).
+/// F_y = D sin(C atan(B alpha)), its derivative by alpha a secant's where the tyre says so.
 #[inline(always)]
 pub(super) fn lateral_force<T: Number>(tyre: &Tyre, peak: T, alpha: T) -> T {
     let (sin, _) = ((alpha * tyre.b).atan() * tyre.c).sin_cos();
-    peak * sin
+    if tyre.secant.length == 0.0 {
+        return peak * sin;
+    }
+    // Zero in value: alpha's derivatives alone.
+    let far = alpha.abs().above(tyre.secant.from);
+    let divisible = T::select(far, alpha, alpha.constant(1.0));
+    let change = (divisible.scale(divisible.real().recip()) - 1.0).scale(divisible.real());
+    peak * (sin + change.scale(excess_slope(tyre, alpha.real())))
+}
+
+/// By how much the secant's slope exceeds the tangent's.
+#[inline(always)]
+fn excess_slope<R: Real>(tyre: &Tyre, alpha: R) -> R {
+    let secant = &tyre.secant;
+    let (zero, one, alpha) = (alpha.constant(0.0), alpha.constant(1.0), alpha.abs());
+    let share = (alpha - secant.from) * (1.0 / (secant.full - secant.from));
+    let share = R::select(share.above(1.0), one, share);
+    // The tangent is the limit of short secants, whose quotients lose their digits.
+    let long = share.above(1e-3);
+    let length = R::select(long, share * secant.length, one);
+    let curve = |alpha: R| ((alpha * tyre.b).atan() * tyre.c).sin_cos();
+    let (sin, cos) = curve(alpha);
+    let slope = cos * (tyre.b * tyre.c) / (alpha * alpha * (tyre.b * tyre.b) + 1.0);
+    R::select(long, (sin - curve(alpha - length).0) / length - slope, zero)
 }

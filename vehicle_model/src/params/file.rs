@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CarParams, GRAVITY, Tyre};
+use super::{CarParams, GRAVITY, Secant, Tyre};
 use crate::error::ModelError;
 
 /// Friction of an axle as the file gives it: `mu`, or the peak force at static load.
@@ -139,7 +139,7 @@ impl CarFile {
                     1.0
                 }
             };
-            Tyre { b: file.b, c: file.c, mu }
+            Tyre { b: file.b, c: file.c, mu, secant: Secant::default() }
         };
         let front_load = weight * (self.l_r_m / wheelbase);
         let rear_load = weight * (self.l_f_m / wheelbase);

@@ -187,7 +187,7 @@ impl Rows {
             self.inputs(out, [problem.u_max, -problem.u_min], problem.du_max);
             self.write(out, LANE, [problem.e_y_max[t], -problem.e_y_min[t], 0.0]);
             for (k, row, max) in [
-                (REAR, &problem.rear[t], problem.rear_max),
+                (REAR, &problem.rear[t], problem.rear_max * problem.rear_share[t]),
                 (FRONT, &problem.front[t], problem.front_max),
             ] {
                 self.write(out, k, [max - row.offset, max + row.offset, 0.0]);
@@ -205,7 +205,7 @@ impl Rows {
         for (t, out) in stages.chunks_exact_mut(self.stride).enumerate() {
             self.inputs(out, [range, range], problem.du_max * 2.0);
             self.write(out, LANE, [problem.e_y_max[t] - problem.e_y_min[t]; 3]);
-            self.write(out, REAR, [2.0 * problem.rear_max; 3]);
+            self.write(out, REAR, [2.0 * problem.rear_max * problem.rear_share[t]; 3]);
             self.write(out, FRONT, [2.0 * problem.front_max; 3]);
             self.write(out, SPEED, [problem.speed_max[t]; 3]);
             for width in out {

@@ -1,0 +1,84 @@
+//! Slip angles of a plan: rows for the guards, what slip costs, and how much of the rear axle's
+//! guard a braking car has.
+
+use nalgebra::Vector3;
+use vehicle_model::{CarParams, Input, SlipAngles, State};
+
+use crate::controller::Setup;
+use crate::fhocp::SlipRow;
+
+/// Speed below which delay per speed is no longer the quotient [m/s].
+const SLOW: f64 = 0.5;
+
+/// Share of the rear guard that is left however hard the car brakes.
+const LEAST_SHARE: f64 = 0.3;
+
+/// What slipping tyres cost: the curvature that the linearised v_x row lacks.
+///
+/// A tyre takes F_y alpha / m of the acceleration along the path (the power F_y v alpha lost in
+/// the contact patch), about C_alpha alpha^2 / m, which is convex in alpha. Linearised at alpha
+/// other than 0, reversing the slip looks like thrust. A speed lost now delays the car by
+/// (N - t) / v steps per m/s at the horizon's end, so that the missing term is
+/// `(N - t) / v dt C_alpha / m (alpha - ref)^2`, with the secant stiffness C_alpha = F_y / alpha.
+pub(crate) struct Dissipation<'a> {
+    car: &'a CarParams,
+    grip: [f64; 2],
+    /// Factor of `C_alpha / (m v)`.
+    factor: f64,
+}
+
+impl<'a> Dissipation<'a> {
+    pub(crate) fn new(setup: &'a Setup, grip: [f64; 2], stages: usize) -> Self {
+        let factor = setup.config.cost.dissipation * stages as f64 * setup.config.horizon.period;
+        Self { car: &setup.car, grip, factor }
+    }
+
+    /// Weight of the squared slip angle of an axle, front 0, rear 1, in steps [1/rad^2].
+    pub(crate) fn weight(&self, v_x: f64, axle: usize, alpha: f64) -> f64 {
+        let car = self.car;
+        let tyre = [&car.tyre_front, &car.tyre_rear][axle];
+        let lift = 0.5 * car.rho * car.area * [car.cl_front, car.cl_rear][axle];
+        let load = car.static_loads()[axle] + lift * v_x * v_x;
+        let alpha = alpha.abs().max(1e-3);
+        let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
+        let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
+        self.factor * stiffness / (car.mass * v_x.max(SLOW))
+    }
+}
+
+/// The front slip angle linearised at (x, u).
+pub(crate) fn front(car: &CarParams, x: &State, u: &Input) -> SlipRow {
+    let slip = SlipAngles::new(x, u, car);
+    let velocity = slip.front_gradient;
+    let offset = slip.front - u.delta - velocity.dot(&velocities(x));
+    SlipRow { velocity: velocity.into(), steering: 1.0, offset, weight: 0.0, reference: slip.front }
+}
+
+/// The rear slip angle linearised at x.
+pub(crate) fn rear(car: &CarParams, x: &State) -> SlipRow {
+    let slip = SlipAngles::new(x, &Input::default(), car);
+    let velocity = slip.rear_gradient;
+    SlipRow {
+        velocity: velocity.into(),
+        steering: 0.0,
+        offset: slip.rear - velocity.dot(&velocities(x)),
+        weight: 0.0,
+        reference: slip.rear,
+    }
+}
+
+fn velocities(x: &State) -> Vector3<f64> {
+    Vector3::new(x.v_x, x.v_y, x.omega_z)
+}
+
+/// Share of the rear slip guard that a car braking with `a` has: the rear axle's load as a share of
+/// its load without braking.
+///
+/// Braking moves load to the front, where it turns the car in, from the rear, where it holds it.
+/// Near the peak slip the rear then gives way to every error. 1 while the car drives on.
+pub(crate) fn rear_share(car: &CarParams, v_x: f64, a: f64) -> f64 {
+    let air = 0.5 * car.rho * car.area * v_x * v_x;
+    let rear = car.static_loads()[1] + air * car.cl_rear;
+    let moved = car.mass * (-a).max(0.0) * car.h_cg / car.wheelbase();
+    (1.0 - moved / rear).max(LEAST_SHARE)
+}
