@@ -2,7 +2,7 @@
 
 use controller::config::{NominalModel, RegressionMode};
 use controller::fhocp::Backend;
-use controller::{Action, LapKind, Reason};
+use controller::{Action, LapKind, Reason, SolveStatus};
 
 /// The word of an action in CSV and JSON.
 #[must_use]
@@ -30,6 +30,19 @@ pub fn reason_word(reason: Reason) -> &'static str {
         Reason::WrongWay => "wrong_way",
         Reason::Standstill => "standstill",
         Reason::NoSafeSet => "no_safe_set",
+    }
+}
+
+/// The word of how the solver ended, in CSV and JSON.
+#[must_use]
+pub fn solve_word(solve: SolveStatus) -> &'static str {
+    match solve {
+        SolveStatus::NotRun => "not_run",
+        SolveStatus::Solved => "solved",
+        SolveStatus::AlmostSolved => "almost_solved",
+        SolveStatus::MaxIterations => "max_iterations",
+        SolveStatus::Infeasible => "infeasible",
+        SolveStatus::Numerical => "numerical",
     }
 }
 

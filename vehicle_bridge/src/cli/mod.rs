@@ -97,6 +97,35 @@ pub enum Command {
     Completions(CompletionsArgs),
 }
 
+impl Command {
+    /// The network the command joins, if it joins one.
+    #[must_use]
+    pub fn network(&self) -> Option<&NetworkArgs> {
+        match self {
+            Self::Serve(args) => Some(&args.network),
+            Self::Bridge(args) => Some(&args.network),
+            Self::Operator(args) => Some(&args.network),
+            Self::Top(args) => Some(&args.network),
+            Self::Record(args) => Some(&args.network),
+            Self::Vehicle(args) => match &args.vehicle {
+                Vehicle::Sim(args) => Some(&args.network),
+                Vehicle::Fmu(args) => Some(&args.car.network),
+                Vehicle::Car(args) => Some(&args.network),
+                Vehicle::Inspect(_) => None,
+            },
+            Self::Hil(args) => match &args.action {
+                HilAction::Drive(args) => Some(&args.network),
+                HilAction::Probe(args) => match &args.probe {
+                    Probe::DamagedLog { network } => Some(network),
+                    Probe::SaverKills { .. } | Probe::Saver => None,
+                },
+                HilAction::Run(_) => None,
+            },
+            _ => None,
+        }
+    }
+}
+
 const CHECK_EXAMPLES: &str = "\
 Examples:
   lmpc check race.toml

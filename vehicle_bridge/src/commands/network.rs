@@ -249,8 +249,6 @@ fn account(drive: &Drive, talk: Talk) {
 
 /// The network, and what a person should know about it.
 pub(super) fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
-    #[cfg(feature = "liblcm")]
-    transport::liblcm::enter_environment(url)?;
     // What it cannot have is reported once, for the loop.
     let start: ThreadStart = Box::new(|| drop(realtime::prioritise(realtime::RECEIVE_PRIORITY)));
     let network = transport::open(url, fifo.then_some(start))
