@@ -31,7 +31,7 @@ book:
 	mdbook build docs
 
 doc:
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
 
 # One hash for a thousand steps on Linux, wine and ARM64, whatever the host's floating point.
 fmu-bits: fmu

@@ -188,3 +188,19 @@ fn the_rustdoc_of_the_controller_links_to_files_that_exist() {
 fn the_readme_is_short() {
     assert!(read(&root().join("README.md")).lines().count() <= 150);
 }
+
+#[test]
+fn lints_and_ci_check_everything_that_is_configured() {
+    let makefile = read(&root().join("Makefile"));
+    let deny = read(&root().join("deny.toml"));
+    let line = makefile.lines().find(|line| line.contains("cargo deny check")).unwrap();
+    for table in ["[licenses]", "[bans]", "[sources]", "[advisories]"] {
+        assert!(deny.contains(table), "deny.toml has no {table}");
+    }
+    assert_eq!(line.trim(), "cargo deny check", "all tables of deny.toml are checked");
+    let workflow = read(&root().join(".github/workflows/ci.yml"));
+    assert!(workflow.contains(".ci/run"));
+    let oldest: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    let oldest = oldest["workspace"]["package"]["rust-version"].as_str().unwrap();
+    assert!(workflow.contains(&format!("rust-toolchain@{oldest}")), "the oldest Rust is tested");
+}

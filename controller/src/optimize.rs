@@ -12,7 +12,7 @@ use crate::learning::safe_set::{Query, SafeSet};
 use crate::memory::Memory;
 use crate::status::{Phase, Probe};
 
-/// Speed below which delay per speed is no longer told by the quotient [m/s].
+/// Speed below which the delay per speed is not taken from the quotient [m/s].
 const SLOW: f64 = 0.5;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
@@ -297,7 +297,7 @@ fn before(memory: &Memory, t: usize) -> Input {
     if t == 0 { memory.u_prev } else { memory.plan.u[t - 1] }
 }
 
-/// A limit of which 0 means none.
+/// A limit from the configuration, where 0 switches it off.
 fn bound(limit: f64) -> f64 {
     if limit > 0.0 { limit } else { f64::INFINITY }
 }

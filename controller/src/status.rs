@@ -185,7 +185,7 @@ pub enum Phase {
     Solve,
 }
 
-/// Told when a phase of the step begins and ends.
+/// Called when a phase of the step begins and ends.
 pub trait Probe {
     /// A phase begins.
     fn begin(&mut self, phase: Phase);

@@ -25,7 +25,7 @@ fn drive(serve: &[&str], channel: &str) -> Vec<Received> {
     let inbox = Inbox::queue(100_000);
     network.subscribe(Filter::All, inbox.sink()).unwrap();
     let mut service = Program::start(&[&["serve", "--url", URL], serve].concat());
-    assert!(inbox.wait(PATIENCE).is_some(), "a life sign of `lmpc serve`");
+    assert!(inbox.wait(PATIENCE).is_some(), "a heartbeat of `lmpc serve`");
     let mut car = Program::start(&["vehicle", "sim", "--steps", "60", "--url", URL]);
     let mut messages = Vec::new();
     while messages.iter().filter(|m: &&Received| m.channel == channel).count() < ANSWERS {

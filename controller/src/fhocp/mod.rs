@@ -273,8 +273,8 @@ pub struct SolveReport {
 
 /// A solver of the FHOCP. Its result depends on the problem alone, not on earlier solves.
 pub trait FhocpSolver {
-    /// Does what the next solve does not need x_0 and u_prev for: that solve must then be of this
-    /// problem, those two apart, and ends up as if it had not been prepared.
+    /// Does the part of the next solve that does not depend on x_0 and u_prev. Only those two may
+    /// change before `solve`; the result is the same as without `prepare`.
     fn prepare(&mut self, _problem: &Fhocp) {}
 
     /// Forgets what is prepared: the problem has changed.

@@ -1,4 +1,4 @@
-//! What a step tells the host.
+//! Outputs of a control step.
 
 use controller::fhocp::Backend;
 use controller::{Action, Command, Reason, SolveStatus};

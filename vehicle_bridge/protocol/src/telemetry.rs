@@ -1,4 +1,4 @@
-//! What the controller tells of its work and of its track, as messages.
+//! Telemetry and track as messages.
 
 use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
 use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint};

@@ -1,4 +1,4 @@
-//! The words of CSV, JSON and reports for what the controller says in types.
+//! Words of the controller's enums in CSV, JSON and reports.
 
 use controller::config::{NominalModel, RegressionMode};
 use controller::fhocp::Backend;
@@ -81,5 +81,32 @@ pub fn model_word(model: NominalModel) -> &'static str {
     match model {
         NominalModel::Dynamic => "dynamic",
         NominalModel::Kinematic => "kinematic",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_words_of_a_row_are_written_in_one_way() {
+        let solves = [
+            SolveStatus::NotRun,
+            SolveStatus::Solved,
+            SolveStatus::AlmostSolved,
+            SolveStatus::MaxIterations,
+            SolveStatus::Infeasible,
+            SolveStatus::Numerical,
+        ];
+        let actions = [Action::WarmUp, Action::Learned, Action::ShiftedPlan, Action::Braking];
+        let backends = [Some(Backend::Structured), Some(Backend::Clarabel), None];
+        let words = solves.map(solve_word).into_iter().chain(actions.map(action_word));
+        let mut count = 0;
+        for word in words.chain(backends.map(solver_word)) {
+            let plain = word.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+            assert!(plain, "`{word}`: lower case with underscores");
+            count += 1;
+        }
+        assert_eq!(count, 13);
     }
 }

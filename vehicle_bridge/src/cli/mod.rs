@@ -69,13 +69,13 @@ pub enum Command {
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network
     Vehicle(VehicleArgs),
-    /// Stand between controller and car: nothing unsafe passes
+    /// Check and limit the commands between controller and car
     Bridge(Box<BridgeArgs>),
-    /// Give an order to bridge and controller
+    /// Send an operator command to bridge and controller
     Operator(OperatorArgs),
     /// See the whole network at a terminal: car, states, rates, ages, step times
     Top(TopArgs),
-    /// Write everything said on an LCM network to a log
+    /// Record every message on an LCM network in a log
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
     Replay(Box<ReplayArgs>),

@@ -78,7 +78,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     ));
     if args.dry_run {
         talk.say(&format!(
-            "dry run: the commands go to {}, none to the car",
+            "dry run: commands go to {} only; the car receives no command",
             channels::COMMAND_DRY
         ));
     }
@@ -240,7 +240,7 @@ fn account(drive: &Drive, talk: Talk) {
         drive.latest * 1e3
     ));
     if !drive.commanded && !drive.deserted {
-        talk.say("no command came: is `lmpc serve` running on the same network?");
+        talk.say("no command arrived: is `lmpc serve` running on the same network?");
     }
     if drive.deserted {
         talk.say("no command answered the last state");
