@@ -1,6 +1,6 @@
-# The commands of the README: `make race`, `make test`, `make fmu`.
+# The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test fmu fmu-test fmu-bits fmu-old lint bench clean
+.PHONY: race test test-fast book doc fmu fmu-test fmu-bits fmu-old lint bench clean
 
 race:
 	tools/setup.sh race
@@ -19,6 +19,19 @@ test:
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
 	$(MAKE) fmu-test
+
+# Unit tests, the two core crates, the source tree and the documents: no packages, no network.
+test-fast:
+	cargo test --release -p vehicle_model -p controller -p house_tests
+	cargo test --release -p lcm_types -p safety -p mapping -p svg_page -p optimum_store -p hosting \
+		-p atomic_file -p protocol -p racing -p studies -p log_export --lib
+
+# The book of docs/ as HTML, in out/book. Needs `cargo install mdbook --locked`.
+book:
+	mdbook build docs
+
+doc:
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
 
 # One hash for a thousand steps on Linux, wine and ARM64, whatever the host's floating point.
 fmu-bits: fmu
@@ -49,7 +62,8 @@ fmu-old: fmu
 lint:
 	cargo fmt --check
 	cargo clippy --workspace --all-targets -- -D warnings
-	cargo deny check licenses bans sources
+	$(MAKE) doc
+	cargo deny check
 
 bench:
 	cargo bench -p controller -p vehicle_bridge

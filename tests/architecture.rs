@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 fn read(path: &Path) -> String {
@@ -92,7 +92,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "controller",
         "clarabel crc32fast libm nalgebra postcard pulp rand rand_pcg serde thiserror toml vehicle_model",
     ),
-    ("fmu", "controller postcard roxmltree serde thiserror vehicle_model zip"),
+    ("fmu", "atomic_file controller postcard roxmltree serde thiserror vehicle_model zip"),
     ("fmu/controller", "fmu_core"),
     ("fmu/vehicle", "fmu_core"),
     ("lcm_types", "crc32fast thiserror"),
@@ -100,13 +100,14 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "vehicle_bridge",
         "anstream anstyle anyhow clap clap_complete comfy-table controller fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
     ),
+    ("vehicle_bridge/atomic_file", ""),
     (
         "vehicle_bridge/hil_bench",
         "anyhow controller hosting lcm_types nix protocol rand rand_distr rand_pcg serde serde_json socket2 svg_page transport vehicle_model",
     ),
     (
         "vehicle_bridge/hosting",
-        "anyhow controller nix signal-hook thiserror thread-priority toml vehicle_model",
+        "anyhow atomic_file controller nix signal-hook thiserror thread-priority toml vehicle_model",
     ),
     ("vehicle_bridge/log_export", "anyhow csv lcm_types mcap serde serde_json"),
     ("vehicle_bridge/mapping", "lcm_types serde toml vehicle_model"),
@@ -155,7 +156,7 @@ fn every_crate_depends_on_what_its_list_allows() {
     let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
     for member in workspace["workspace"]["members"].as_array().unwrap() {
         let member = member.as_str().unwrap();
-        if member == "tests" {
+        if member.starts_with("tests") {
             continue;
         }
         let manifest: toml::Table = read(&root().join(member).join("Cargo.toml")).parse().unwrap();

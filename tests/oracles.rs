@@ -127,7 +127,7 @@ fn problem(rng: &mut Pcg64Mcg) -> Fhocp {
     problem.lane_quadratic = 100.0;
     problem.e_y_min.fill(-0.45);
     problem.e_y_max.fill(0.45);
-    problem.terminal_slack = Vector6::new(40.0, 4.0, 4.0, 40.0, 40.0, 40.0);
+    problem.terminal_slack_weight = Vector6::new(40.0, 4.0, 4.0, 40.0, 40.0, 40.0);
     for model in &mut problem.model {
         let mut a = Matrix6::identity();
         (a[(1, 1)], a[(2, 2)]) = (0.2, 0.2);
@@ -177,8 +177,10 @@ fn the_qp_keeps_its_simplex_and_ignores_a_constant_cost() {
                 problem.hull.iter().zip(&solution.lambda).map(|(x, l)| x * *l).sum()
             };
             let slack = solution.x[8] - point(&solution);
-            let charged = problem.terminal_slack.dot(&slack.component_mul(&slack));
-            assert!((problem.terminal_cost(&solution) - charged).abs() < 1e-9 * (1.0 + charged));
+            let charged = problem.terminal_slack_weight.dot(&slack.component_mul(&slack));
+            assert!(
+                (problem.terminal_slack_cost(&solution) - charged).abs() < 1e-9 * (1.0 + charged)
+            );
 
             let mut shifted = problem.clone();
             shifted.hull_cost.iter_mut().for_each(|cost| *cost += 30.0);

@@ -82,7 +82,7 @@ impl Qp {
             problem.hull[j] = Vector6::from_fn(|i, _| -self.A.at(row + i, lambda + j));
             problem.hull_cost[j] = self.q[lambda + j];
         }
-        problem.terminal_slack =
+        problem.terminal_slack_weight =
             Vector6::from_fn(|i, _| 0.5 * self.P.at(terminal + i, terminal + i));
         if slip {
             // alpha <= max + slack and -alpha <= max + slack: the offset is half the difference.

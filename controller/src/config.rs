@@ -241,13 +241,12 @@ pub struct DelayConfig {
 }
 
 /// Which method solves the QP.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolverMethod {
     /// The structured interior-point method; with `fallback`, Clarabel takes what it misses.
     Structured,
     /// Clarabel alone.
-    #[default]
     Clarabel,
 }
 

@@ -158,6 +158,14 @@ impl Controller {
         self.work.problem()
     }
 
+    /// Weights lambda of the points of [`Controller::safe_set`] in the last solution; of use after a
+    /// step whose action is [`Action::Learned`](crate::Action::Learned), until
+    /// [`Controller::prepare`] makes the next set.
+    #[must_use]
+    pub fn safe_set_weights(&self) -> &[f64] {
+        self.work.weights()
+    }
+
     /// The safe set of the latest problem.
     #[must_use]
     pub fn safe_set(&self) -> &SafeSet {

@@ -101,11 +101,12 @@ impl Controller {
             status.reason = Reason::SolverFailed;
             return self.fall_back(x, status);
         }
-        let (cost, terminal) = self.work.cost();
+        let cost = self.work.cost();
         let slacks = &self.work.slacks;
         status.action = Action::Learned;
-        status.cost = cost;
-        status.terminal_slack = terminal;
+        status.cost = cost.total;
+        status.cost_to_go = cost.to_go;
+        status.terminal_slack_cost = cost.terminal_slack;
         status.lane_slack = greatest(&slacks.lane);
         status.front_slip_slack = greatest(&slacks.front);
         status.rear_slip_slack = greatest(&slacks.rear);

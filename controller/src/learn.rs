@@ -24,7 +24,7 @@ impl Controller {
             let laps = self.memory.dataset.laps.iter().rev();
             let recent = laps.flat_map(|lap| lap.samples.iter().rev()).take(grip::SAMPLES);
             let fitted = grip::fit(&self.setup.model, &self.setup.track, recent);
-            // Each change makes all residuals anew: one that matters to nobody is not made.
+            // A new grip invalidates all residuals, so changes too small to matter are ignored.
             if grip::differ(fitted, self.memory.grip) {
                 self.memory.grip = fitted;
                 self.setup.model.model.grip = fitted;

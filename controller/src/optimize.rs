@@ -16,6 +16,16 @@ use crate::status::{Phase, Probe};
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
 
+/// Cost of a solution, in steps.
+pub(crate) struct Cost {
+    /// All of it.
+    pub(crate) total: f64,
+    /// Interpolated cost-to-go, J' lambda.
+    pub(crate) to_go: f64,
+    /// e' E e.
+    pub(crate) terminal_slack: f64,
+}
+
 /// Problem, solver and memory that is reused from step to step.
 pub(crate) struct Workspace {
     problem: Fhocp,
@@ -50,7 +60,7 @@ impl Workspace {
         problem.rear_max = bound(config.limits.rear_slip);
         problem.slip_linear = cost.slip;
         problem.speed_linear = cost.speed;
-        problem.terminal_slack = Vector6::from(cost.terminal_slack);
+        problem.terminal_slack_weight = Vector6::from(cost.terminal_slack);
         Self {
             problem,
             solution: Solution::new(n, hull),
@@ -213,12 +223,18 @@ impl Workspace {
         memory.plan_tail = Input::from_vector(&self.safe_set.input(&self.solution.lambda));
     }
 
-    /// Optimal cost of the last solution.
-    pub(crate) fn cost(&self) -> (f64, f64) {
-        (
-            self.problem.cost_with(&self.solution, &self.slacks),
-            self.problem.terminal_cost(&self.solution),
-        )
+    /// Cost of the last solution and two of its parts.
+    pub(crate) fn cost(&self) -> Cost {
+        Cost {
+            total: self.problem.cost_with(&self.solution, &self.slacks),
+            to_go: self.problem.cost_to_go(&self.solution),
+            terminal_slack: self.problem.terminal_slack_cost(&self.solution),
+        }
+    }
+
+    /// Weights lambda of the safe-set points in the last solution.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.solution.lambda
     }
 
     /// Nominal and error model at one point.
@@ -249,7 +265,7 @@ fn before(memory: &Memory, t: usize) -> Input {
     if t == 0 { memory.u_prev } else { memory.plan.u[t - 1] }
 }
 
-/// A limit of which 0 means none.
+/// A limit from the configuration, where 0 switches it off.
 fn bound(limit: f64) -> f64 {
     if limit > 0.0 { limit } else { f64::INFINITY }
 }

@@ -54,11 +54,11 @@ pub enum Reason {
     NonFinite,
     /// Time did not advance since the last step.
     TimeNotAdvancing,
-    /// More than 1.5 periods passed since the last step.
+    /// Less than 0.5 or at least 1.5 periods passed since the last step, or the clock was set back.
     TimeGap,
     /// The state jumped farther than the car can drive in the time passed.
     Jump,
-    /// The centre of gravity is beyond a track edge.
+    /// The centre of gravity is beyond a track edge by more than a quarter of the track's width.
     OffTrack,
     /// The car points more than 90 degrees away from the track.
     WrongWay,
@@ -146,8 +146,10 @@ pub struct Status {
     pub rear_slip_slack: f64,
     /// Largest speed-cap slack along the plan [m/s].
     pub speed_slack: f64,
-    /// Cost of the terminal slack in steps.
-    pub terminal_slack: f64,
+    /// Part of `cost`: the cost-to-go of the terminal state, J' lambda, in steps.
+    pub cost_to_go: f64,
+    /// Part of `cost`: the penalty e' E e of the terminal slack e, in steps.
+    pub terminal_slack_cost: f64,
     /// Sum of the kernel weights at the worst supported point of the horizon: 0 means that the
     /// nominal model stands alone there.
     pub data_support_min: f64,
@@ -171,7 +173,7 @@ pub struct Command {
 /// Phases of a step, for hosts that measure time: the controller itself has no clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
-    /// Reading the measurement: projection, lap counting, recording, delay compensation.
+    /// Reading the measurement: projection, lap counting, recording.
     Project,
     /// Jacobians of the nominal model along the shifted plan.
     Linearize,
@@ -183,7 +185,7 @@ pub enum Phase {
     Solve,
 }
 
-/// Told when a phase of the step begins and ends.
+/// Called when a phase of the step begins and ends.
 pub trait Probe {
     /// A phase begins.
     fn begin(&mut self, phase: Phase);

@@ -1,6 +1,5 @@
 //! Tracks and cars by name or file.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -84,15 +83,13 @@ pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, Fault> {
     CarParams::builtin(name).map_err(failed)
 }
 
-/// Writes learned data: beside the old file, on disk, then over it; one of the two is always whole.
+/// Writes learned data; the file before stays as `.bak` (see [`atomic_file`]).
 pub(crate) fn save(path: &str, learned: &Learned) -> io::Result<()> {
-    let next = format!("{path}.new");
-    let file = File::create(&next)?;
-    let mut buffered = BufWriter::new(&file);
-    learned.write(|bytes| buffered.write_all(bytes))?;
-    buffered.flush()?;
-    file.sync_all()?;
-    std::fs::rename(&next, path)
+    atomic_file::replace(Path::new(path), |file| {
+        let mut buffered = BufWriter::new(file);
+        learned.write(|bytes| buffered.write_all(bytes))?;
+        buffered.flush()
+    })
 }
 
 /// A name has neither ending nor folder.
@@ -107,6 +104,21 @@ fn file_name(path: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_second_save_keeps_the_first() {
+        use controller::{Config, Controller};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("learned.lmpc");
+        let track = Arc::new(Track::builtin("l").unwrap());
+        let car = CarParams::builtin("barc").unwrap();
+        let controller = Controller::new(Config::default(), car, track).unwrap();
+        for _ in 0..2 {
+            save(&path.display().to_string(), &controller.learned_data()).unwrap();
+        }
+        let saved = [path.clone(), atomic_file::backup(&path)].map(|p| std::fs::read(p).unwrap());
+        assert_eq!(saved, [controller.save(), controller.save()]);
+    }
 
     #[test]
     fn another_centre_line_is_named_with_both_lengths() {

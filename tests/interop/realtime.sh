@@ -8,7 +8,7 @@
 # late that is, the machine is by itself (a virtual machine's host takes its processors away), and no
 # program on it can be earlier. Fails if with FIFO a command comes later than a period after its state,
 # or a period of the car begins more than a period later than the machine's own worst wake-up.
-# Without FIFO the misses are only shown: in the life signs, which are read from a recording, and at
+# Without FIFO the misses are only shown: in the heartbeats, which are read from a recording, and at
 # the end of each program. Needs root.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -45,7 +45,7 @@ drive() { # drive NAME SECONDS OPTION...
     wait $record || true
     echo "$name, car:     $(grep periods "$out/$name-sim.txt")"
     echo "$name, service: $(grep 'longer than a period' "$out/$name-serve.txt")"
-    echo "$name, life sign: $(strings "$out/$name.log" | grep -o '[0-9]* steps took longer.*' | tail -1)"
+    echo "$name, heartbeat: $(strings "$out/$name.log" | grep -o '[0-9]* steps took longer.*' | tail -1)"
 }
 cyclictest --priority 99 --mlockall --threads --affinity --interval 2000 --duration "$seconds" --quiet >"$out/machine.txt" &
 machine=$!

@@ -1,5 +1,5 @@
 //! Messages as a drive makes them, for the tools that look at a network: `lcm_traffic SECONDS` sends
-//! states at 100 Hz, commands at 50 Hz and life signs at 10 Hz on the network of `LCM_DEFAULT_URL`.
+//! states at 100 Hz, commands at 50 Hz and heartbeats at 10 Hz on the network of `LCM_DEFAULT_URL`.
 
 use std::error::Error;
 use std::time::Duration;

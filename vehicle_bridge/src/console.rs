@@ -37,7 +37,7 @@ pub struct Talk {
 }
 
 impl Talk {
-    /// Says a line, unless told to be quiet. Nobody listening is no error.
+    /// Prints a line unless `quiet`; a closed standard error is ignored.
     pub fn say(self, line: &str) {
         if !self.quiet {
             let _ = writeln!(anstream::stderr(), "{line}");

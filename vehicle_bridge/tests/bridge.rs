@@ -57,7 +57,7 @@ fn an_armed_controller_drives_a_lap_and_when_it_dies_the_car_stops() {
         states.wait(PATIENCE).expect("a state");
         refused(&["start"], "not armed");
         std::thread::sleep(Duration::from_millis(1200));
-        refused(&["arm"], "no life sign of the controller");
+        refused(&["arm"], "no heartbeat of the controller");
         let mut serve = Program::start(&["serve", "--url", URL]);
         until_obeyed(&["arm"]);
         refused(&["start", "--token", "12345"], "wrong arm token");

@@ -42,7 +42,6 @@ fn telemetry(n: i16) -> MpcTelemetry {
         ss: vec![vec![0.7, -0.7]; usize::from(n > 0)],
         ss_cost: vec![3.0; usize::from(n > 0)],
         ss_lambda: vec![0.0; usize::from(n > 0)],
-        ss_lap: vec![-1; usize::from(n > 0)],
         ..MpcTelemetry::default()
     }
 }

@@ -81,7 +81,7 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         let (states, commands) = (inbox(channels::STATE), inbox(channels::COMMAND));
         let (alive, maps) = (inbox("HB/lmpc"), inbox(channels::TRACK));
         let _serve = start(&["serve"]);
-        alive.wait(PATIENCE).expect("a life sign of `lmpc serve`");
+        alive.wait(PATIENCE).expect("a heartbeat of `lmpc serve`");
         let steps = STEPS.to_string();
         let mut car =
             start(&["vehicle", "sim", "--lock-step", "--steps", &steps, "--plant", PLANT]);

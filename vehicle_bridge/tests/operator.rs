@@ -38,7 +38,7 @@ fn until_obeyed(order: &[&str]) {
 fn until_state(life: &Inbox, state: i8) -> Duration {
     let begun = Instant::now();
     loop {
-        let beat = life.wait(PATIENCE).expect("a life sign");
+        let beat = life.wait(PATIENCE).expect("a heartbeat");
         if Heartbeat::decode(&beat.payload).unwrap().state == state {
             return begun.elapsed();
         }
@@ -88,7 +88,7 @@ fn a_dead_mans_switch_drives_while_it_is_held_and_the_view_shows_it() {
                 release(&mut held);
                 until_state(&life, Heartbeat::SAFE_STOP);
                 let took = begun.elapsed();
-                // A life sign comes every 100 ms.
+                // A heartbeat comes every 100 ms.
                 assert!(took < STOP + Duration::from_millis(100), "{way}: {took:?}");
                 let ended = held.wait().unwrap();
                 assert_eq!(ended.success(), way < 2, "{way}: {ended}");

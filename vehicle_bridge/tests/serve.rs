@@ -1,6 +1,7 @@
 //! What a person at the terminal relies on: a dry run commands nothing, Ctrl-C stops the car.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
+use std::io::{BufRead as _, BufReader};
 use std::time::Duration;
 
 use common::{MULTICAST, Program, URL, isolated};
@@ -24,7 +25,7 @@ fn drive(serve: &[&str], channel: &str) -> Vec<Received> {
     let inbox = Inbox::queue(100_000);
     network.subscribe(Filter::All, inbox.sink()).unwrap();
     let mut service = Program::start(&[&["serve", "--url", URL], serve].concat());
-    assert!(inbox.wait(PATIENCE).is_some(), "a life sign of `lmpc serve`");
+    assert!(inbox.wait(PATIENCE).is_some(), "a heartbeat of `lmpc serve`");
     let mut car = Program::start(&["vehicle", "sim", "--steps", "60", "--url", URL]);
     let mut messages = Vec::new();
     while messages.iter().filter(|m: &&Received| m.channel == channel).count() < ANSWERS {
@@ -59,6 +60,29 @@ fn a_dry_run_says_what_it_would_do_and_commands_nothing() {
         assert!(would.iter().filter(|c| c.enable && c.accel > 0.0).count() >= ANSWERS / 2);
         assert!(reports(&messages).iter().all(|report| !report.enabled && report.cmd_seq == 0));
     });
+}
+
+#[test]
+fn a_network_of_liblcm_prints_each_line_once() {
+    // The program starts itself again with the URL in its environment.
+    let folder = tempfile::tempdir().unwrap();
+    let learned = folder.path().join("learned.lmpc").display().to_string();
+    let mut serve = std::process::Command::new(env!("CARGO_BIN_EXE_lmpc"))
+        .args(["serve", "--url", "memq://", "--learned", &learned])
+        .env_remove("LCM_DEFAULT_URL")
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .map(Program)
+        .unwrap();
+    let mut lines = Vec::new();
+    for line in BufReader::new(serve.0.stderr.take().unwrap()).lines() {
+        lines.push(line.unwrap());
+        if lines.iter().any(|line| line.contains("waiting for CAR/STATE")) {
+            break;
+        }
+    }
+    let loaded = lines.iter().filter(|line| line.contains("laps loaded")).count();
+    assert_eq!(loaded, 1, "{lines:#?}");
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn a_drive_under_changing_caps_keeps_them_and_replays() {
         network.subscribe(Filter::All, inbox.sink()).unwrap();
         let serve = ["serve", "--url", URL, "--set", "warm_up.laps=1"];
         let _serve = Program::start(&serve);
-        assert!(inbox.wait(PATIENCE).is_some(), "a life sign of `lmpc serve`");
+        assert!(inbox.wait(PATIENCE).is_some(), "a heartbeat of `lmpc serve`");
         let mut operator = Outlet::new(&network, &Identity::new("test"), channels::OPERATOR);
         let _car = Program::start(&["vehicle", "sim", "--lock-step", "--url", URL]);
         let mut messages = Vec::new();

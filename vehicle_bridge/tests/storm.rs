@@ -35,7 +35,7 @@ fn drive(network: &dyn Transport) -> Answers {
     let (states, commands) = (inbox(channels::STATE), inbox(channels::COMMAND));
     let alive = inbox("HB/lmpc");
     let mut serve = Program::start(&["serve", "--url", URL, "--set", "warm_up.laps=1"]);
-    assert!(alive.wait(PATIENCE).is_some(), "no life sign of `lmpc serve`");
+    assert!(alive.wait(PATIENCE).is_some(), "no heartbeat of `lmpc serve`");
     let sim = ["vehicle", "sim", "--lock-step", "--steps", STEPS, "--url", URL, "--seed", "3"];
     let mut car = Program::start(&sim);
     let status = car.0.wait().unwrap();

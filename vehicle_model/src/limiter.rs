@@ -3,7 +3,7 @@
 use crate::params::CarParams;
 use crate::state::Input;
 
-/// Solvers keep bounds to their tolerance only: less is no clipping. \[m/s^2, rad\]
+/// Violations below this are solver tolerance and are not reported as clipping. \[m/s^2, rad\]
 const TOLERANCE: f64 = 1e-6;
 
 /// Time in which an excess over the speed cap is to vanish. \[s\]

@@ -162,8 +162,8 @@ impl Model {
 /// curvature, far off every track.
 const MIN_FRENET_SCALE: f64 = 0.05;
 
-/// Rates of the pose [e_psi, s, e_y] from the velocities [v_x, v_y, omega_z] (Frenet kinematics;
-/// Xue et al. 2023, eq. 2).
+/// Rates of the pose [e_psi, s, e_y] from the velocities [v_x, v_y, omega_z] (Frenet kinematics
+/// of Xue et al. 2023, which the paper states in its text, without a number).
 #[inline(always)]
 pub(crate) fn pose_rates<T: Number>(v: &[T; 3], pose: &[T; 3], kappa: T::Real) -> [T; 3] {
     let [v_x, v_y, omega_z] = *v;

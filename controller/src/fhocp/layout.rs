@@ -138,7 +138,7 @@ fn objective(problem: &Fhocp, shape: &Shape, out: &mut impl Entries) {
     }
     for i in 0..NX {
         let e = shape.terminal() + i;
-        out.p(e, e, 2.0 * problem.terminal_slack[i]);
+        out.p(e, e, 2.0 * problem.terminal_slack_weight[i]);
     }
 }
 

@@ -117,7 +117,7 @@ pub struct Fhocp {
     /// Cost-to-go J of each point, in steps.
     pub hull_cost: Vec<f64>,
     /// Diagonal of E, the quadratic weights of the terminal slack.
-    pub terminal_slack: Vector6<f64>,
+    pub terminal_slack_weight: Vector6<f64>,
 }
 
 impl Fhocp {
@@ -147,7 +147,7 @@ impl Fhocp {
             speed_linear: 0.0,
             hull: vec![Vector6::zeros(); hull],
             hull_cost: vec![0.0; hull],
-            terminal_slack: Vector6::repeat(1.0),
+            terminal_slack_weight: Vector6::repeat(1.0),
         }
     }
 
@@ -160,7 +160,7 @@ impl Fhocp {
     /// Whether every number that reaches a solver is finite (infinite bounds apart).
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let vectors = [&self.x_0, &self.terminal_slack].into_iter().chain(&self.hull);
+        let vectors = [&self.x_0, &self.terminal_slack_weight].into_iter().chain(&self.hull);
         let rows = self.front.iter().chain(&self.rear);
         vectors.flat_map(|v| v.iter()).all(|v| v.is_finite())
             && self.u_prev.iter().chain(&self.hull_cost).all(|v| v.is_finite())
@@ -202,18 +202,24 @@ impl Fhocp {
         cost +=
             self.slip_linear * (slacks.front.iter().sum::<f64>() + slacks.rear.iter().sum::<f64>());
         cost += self.speed_linear * slacks.speed.iter().sum::<f64>();
-        cost += self.hull_cost.iter().zip(&solution.lambda).map(|(j, l)| j * l).sum::<f64>();
-        cost + self.terminal_cost(solution)
+        cost += self.cost_to_go(solution);
+        cost + self.terminal_slack_cost(solution)
     }
 
-    /// Cost of the terminal slack, e' E e.
+    /// Interpolated cost-to-go of the terminal state, J' lambda [steps].
     #[must_use]
-    pub fn terminal_cost(&self, solution: &Solution) -> f64 {
+    pub fn cost_to_go(&self, solution: &Solution) -> f64 {
+        self.hull_cost.iter().zip(&solution.lambda).map(|(j, l)| j * l).sum::<f64>()
+    }
+
+    /// Cost of the terminal slack, e' E e [steps].
+    #[must_use]
+    pub fn terminal_slack_cost(&self, solution: &Solution) -> f64 {
         let mut e = solution.x[self.horizon()];
         for (point, lambda) in self.hull.iter().zip(&solution.lambda) {
             e -= point * *lambda;
         }
-        self.terminal_slack.dot(&e.component_mul(&e))
+        self.terminal_slack_weight.dot(&e.component_mul(&e))
     }
 }
 
@@ -270,8 +276,8 @@ pub struct SolveReport {
 
 /// A solver of the FHOCP. Its result depends on the problem alone, not on earlier solves.
 pub trait FhocpSolver {
-    /// Does what the next solve does not need x_0 and u_prev for: that solve must then be of this
-    /// problem, those two apart, and ends up as if it had not been prepared.
+    /// Does the part of the next solve that does not depend on x_0 and u_prev. Only those two may
+    /// change before `solve`; the result is the same as without `prepare`.
     fn prepare(&mut self, _problem: &Fhocp) {}
 
     /// Forgets what is prepared: the problem has changed.

@@ -21,7 +21,7 @@ const STEPS: usize = 4;
 const DONE: f64 = 1e-4;
 /// Factors that differ by less than this are the same.
 const SAME: f64 = 1e-3;
-/// Factors outside this range are no grip of a road.
+/// Fitted factors outside this range are rejected: no road has such grip.
 const RANGE: (f64, f64) = (0.2, 3.0);
 
 /// The grip factors [front, rear] of `model` that fit the samples best, starting from its own.

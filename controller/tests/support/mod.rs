@@ -81,7 +81,7 @@ impl Setting {
         problem.slip_linear = 200.0;
         problem.speed_max.fill(self.speed_max);
         problem.speed_linear = 25.0;
-        problem.terminal_slack = Vector6::new(40.0, 4.0, 4.0, 40.0, 40.0, 40.0);
+        problem.terminal_slack_weight = Vector6::new(40.0, 4.0, 4.0, 40.0, 40.0, 40.0);
         problem
     }
 }

@@ -68,7 +68,7 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
         problem.hull[j][4] += problem.x_0[4];
         problem.hull_cost[j] = 10.0 * r.share();
     }
-    problem.terminal_slack = Vector6::from_fn(|_, _| 1.0 + 40.0 * r.share());
+    problem.terminal_slack_weight = Vector6::from_fn(|_, _| 1.0 + 40.0 * r.share());
     problem
 }
 

@@ -148,9 +148,11 @@ fn trouble(action: Action, reason: Reason) -> Option<&'static str> {
         Reason::SolverFailed => "the optimal control problem was not solved",
         Reason::NonFinite => "an input is not finite",
         Reason::TimeNotAdvancing => "time did not advance",
-        Reason::TimeGap => "more than 1.5 periods passed since the last step",
+        Reason::TimeGap => {
+            "less than 0.5 or at least 1.5 periods passed since the last step, or time went back"
+        }
         Reason::Jump => "the state jumped farther than the car can drive",
-        Reason::OffTrack => "the car is beyond a track edge",
+        Reason::OffTrack => "the car is beyond a track edge by more than a quarter of the width",
         Reason::WrongWay => "the car points the wrong way",
     };
     // The initial laps need no optimum.

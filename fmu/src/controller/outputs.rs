@@ -1,4 +1,4 @@
-//! What a step tells the host.
+//! Outputs of a control step.
 
 use controller::fhocp::Backend;
 use controller::{Action, Command, Reason, SolveStatus};
@@ -102,7 +102,7 @@ impl ControllerFmu {
             status.front_slip_slack,
             status.rear_slip_slack,
             status.speed_slack,
-            status.terminal_slack,
+            status.terminal_slack_cost,
         ];
         write(values, &slots.slack, numbers);
         let [front, rear] = self.controller.grip();

@@ -129,7 +129,7 @@ impl Slots {
             Variable::integer(
                 "param.regression.mode",
                 Role::Fixed,
-                "0 as the preset, 1 error regression, 2 full dynamics, 3 nominal model alone",
+                "0 as the preset, 1 error regression, 2 full dynamics, 3 nominal model only",
             )
             .range(0.0, 3.0),
         );
@@ -198,7 +198,7 @@ impl Slots {
             held(
                 "support.min",
                 one,
-                "Kernel weights at the worst supported point; 0: nominal model alone",
+                "Kernel weights at the worst supported point; 0: nominal model only",
             ),
             held("support.mean", one, "Mean kernel weights over the horizon"),
             held("grip.front", one, "Fitted factor on the front friction"),

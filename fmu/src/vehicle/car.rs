@@ -140,7 +140,7 @@ const ROWS: &[Row] = &[
     number!(
         "blend_speed_high",
         unit::M_PER_S,
-        "At and above: tyre model alone",
+        "At and above: tyre model only",
         NotNegative,
         blend_speed_high
     ),

@@ -1,4 +1,4 @@
-//! Datagrams nobody should send.
+//! Malformed and forged datagrams.
 
 use lcm_types::{ActuationCommand, Checked as _, Header, channels};
 use rand::RngExt as _;

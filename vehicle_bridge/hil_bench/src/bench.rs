@@ -1,4 +1,4 @@
-//! What a bench file says: processes, scenarios, faults, expectations.
+//! Content of a bench file: processes, scenarios, faults, expectations.
 
 use std::collections::BTreeSet;
 
@@ -46,10 +46,10 @@ pub struct Process {
     /// the fault proxy between them, `{dir}` a folder that lives as long as the run, `{seed}` the
     /// run's seed.
     pub command: Vec<String>,
-    /// It is ready when this channel was heard; `HB/bridge` for example.
+    /// It is ready once a message arrived on this channel, for example `HB/bridge`.
     pub ready: Option<String>,
-    /// Event log it writes: what the bench else hears on the car's side is then read there, after
-    /// the run. For runs in which the network is down.
+    /// Event log written by this process. If set, measures are read from it after the run instead of
+    /// from the network. For runs in which the network is down.
     pub log: Option<String>,
 }
 
@@ -82,7 +82,7 @@ pub struct Scenario {
     /// `duration_s`.
     #[serde(default)]
     pub program: Vec<String>,
-    /// What the program has to say, somewhere in what it prints.
+    /// Text that the program's output must contain.
     #[serde(default)]
     pub says: Vec<String>,
     /// Whether no other run goes on at the same time: for faults that take the whole computer.
@@ -182,7 +182,7 @@ impl Bench {
             problems.push("process: two have the same name".to_owned());
         }
         if self.scenarios.is_empty() {
-            problems.push("scenario: none; expected at least one [[scenario]]".to_owned());
+            problems.push("scenario: found none; expected at least one [[scenario]]".to_owned());
         }
         let mut seen = BTreeSet::new();
         for scenario in &self.scenarios {

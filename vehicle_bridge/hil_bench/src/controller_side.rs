@@ -1,10 +1,10 @@
-//! What the controller itself says of a run: life signs and telemetry.
+//! Measures taken from the controller's heartbeats and telemetry.
 
 use lcm_types::{Heartbeat, Message as _, MpcTelemetry, channels};
 
 use super::measure::{Measure, Values};
 
-/// What was heard of the controller.
+/// Messages of the controller.
 #[derive(Debug, Default)]
 pub(super) struct Controller {
     beats: Vec<Heartbeat>,
@@ -44,12 +44,12 @@ impl Controller {
     }
 }
 
-/// Laps a life sign says the controller has learned. \[-\]
+/// Laps the controller has learned, from a heartbeat. \[-\]
 fn laps(beat: &Heartbeat) -> Option<f64> {
     beat.detail.split(" laps learned").next()?.rsplit(' ').next()?.parse().ok()
 }
 
-/// Messages a life sign says are missing in its program's log. \[-\]
+/// Messages missing in the program's log, from a heartbeat. \[-\]
 pub(super) fn log_dropped(beat: &Heartbeat) -> u64 {
     let said = beat.detail.split("log: ").nth(1).and_then(|rest| rest.split(' ').next());
     said.and_then(|number| number.parse().ok()).unwrap_or(0)

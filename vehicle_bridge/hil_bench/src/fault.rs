@@ -1,4 +1,4 @@
-//! Faults as a bench file says them.
+//! Faults of a bench file.
 
 use serde::Deserialize;
 

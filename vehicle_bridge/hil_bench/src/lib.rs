@@ -49,8 +49,8 @@ use hosting::parallel::parallel;
 const PORTS: u16 = 17_000;
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Runs every scenario of a bench, `jobs` runs at a time; `done` sees each run. Tells too how the
-/// computer itself ran.
+/// Runs every scenario of a bench, `jobs` runs at a time; `done` sees each run. Also returns
+/// how often the computer itself stood still.
 ///
 /// # Errors
 /// If car or track cannot be loaded, or `done` fails.

@@ -25,11 +25,11 @@ pub enum Measure {
     Trips,
     /// Reports that drive by the fallback plan.
     PlanTicks,
-    /// Messages the car side's life sign counts as refused.
+    /// Messages the car side's heartbeat counts as refused.
     Refused,
     /// States in which the car's centre was beyond the edge of the track.
     OffTrack,
-    /// Processes that ended though nobody ended them.
+    /// Processes that ended by themselves.
     Crashes,
     /// Growth of the car side's memory. \[MB\]
     MemoryMb,
@@ -39,7 +39,7 @@ pub enum Measure {
     StormHz,
     /// Emergency stops that were lost before the first that was not.
     EstopsLost,
-    /// Life signs that name a wrong fingerprint.
+    /// Heartbeats that name a wrong fingerprint.
     FingerprintsNamed,
     /// Orders that the car side refused.
     OrdersRefused,
@@ -51,13 +51,13 @@ pub enum Measure {
     Resumed,
     /// Steps that took the controller longer than a period, as its telemetry says.
     Overruns,
-    /// From the fault's beginning to the first life sign of a controller that started anew.
+    /// From the fault's beginning to the first heartbeat of a controller that started anew.
     ReadyMs,
     /// Laps the controller had learned before the fault began, less those at its new start.
     LapsLost,
-    /// Messages that controller and car side could not write to their logs, as their life signs say.
+    /// Messages that controller and car side could not write to their logs, as their heartbeats say.
     LogDropped,
-    /// Life signs of the controller that say that what it learned cannot be saved.
+    /// Heartbeats of the controller that say that what it learned cannot be saved.
     SaveFailures,
 }
 

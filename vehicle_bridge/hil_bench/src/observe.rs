@@ -37,7 +37,7 @@ pub struct Point {
     pub source: i8,
 }
 
-/// What was heard on the car's side.
+/// Messages received on the car's side.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
     reports: Vec<ActuationReport>,

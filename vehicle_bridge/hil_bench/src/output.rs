@@ -1,4 +1,4 @@
-//! What no report on `CAR/ACT` may say, in any run.
+//! Invariants of the reports on `CAR/ACT`, checked in every run.
 
 use lcm_types::{ActuationReport, OperatorAck};
 use vehicle_model::Limiter;

@@ -27,7 +27,7 @@ pub(super) struct Program {
 }
 
 impl Program {
-    /// Starts `command`; what it says goes to `NAME.txt` in `folder`.
+    /// Starts `command`; its output goes to `NAME.txt` in `folder`.
     pub(super) fn start(name: &str, command: &[String], folder: &Path) -> Result<Self> {
         let log = folder.join(format!("{name}.txt"));
         let child = spawn(command, &log)?;
@@ -79,12 +79,12 @@ impl Program {
         f64::from(resident_mb(&self.child.id().to_string()))
     }
 
-    /// Whether it ended though nobody ended it.
+    /// Whether it ended by itself.
     pub(super) fn crashed(&mut self) -> bool {
         !self.ended && !matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// The end of what it said.
+    /// The last lines of its output.
     pub(super) fn last_words(&self) -> String {
         let text = std::fs::read_to_string(&self.log).unwrap_or_default();
         text.lines().last().unwrap_or_default().to_owned()

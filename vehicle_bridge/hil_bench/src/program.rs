@@ -56,7 +56,7 @@ fn judge(scenario: &Scenario, code: i32, took: Duration, text: &str) -> Result<V
     }
     for wanted in &scenario.says {
         if !text.contains(wanted.as_str()) {
-            bail!("it does not say `{wanted}`, it ends with: {last}");
+            bail!("its output does not contain `{wanted}`; it ends with: {last}");
         }
     }
     let mut values = Values::default();

@@ -62,7 +62,7 @@ impl Proxy {
             malformed: malformed::cases(channels::COMMAND),
         };
         let worker = Worker::start("hil-proxy", move |stop| {
-            // Without the right to it the proxy is late by what the system is.
+            // Without CAP_SYS_NICE the proxy adds the scheduler's latency.
             let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
             forwarder.run(stop);
         })?;

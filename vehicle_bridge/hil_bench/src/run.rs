@@ -24,7 +24,7 @@ use hosting::realtime;
 use protocol::convert::nanoseconds;
 use transport::{Filter, Inbox, ThreadStart, Transport, Url, now};
 
-/// A program has this long to be heard.
+/// A program must send a message within this time.
 const READY: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(2);
 /// Faults begin up to this much later, by the seed: at any phase of a period. \[s\]
@@ -43,7 +43,7 @@ const CHANNELS: [&str; 6] = [
 /// Positions this near to the one asked for count. \[m\]
 const NEAR: f64 = 1.0;
 
-/// What a run needs beside its scenario.
+/// What a run needs in addition to its scenario.
 pub(super) struct Place<'a> {
     pub(super) bench: &'a Bench,
     pub(super) car: CarParams,

@@ -1,10 +1,12 @@
 //! Learned data on disk. A save never destroys the previous one.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+pub use atomic_file::backup;
+use atomic_file::replace;
 use controller::{Controller, Learned};
 
 /// Loads learned data into a controller.
@@ -47,62 +49,4 @@ pub fn write(path: &Path, learned: &Learned) -> io::Result<()> {
         learned.write(|bytes| file.write_all(bytes))?;
         file.flush()
     })
-}
-
-fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
-        fs::create_dir_all(folder)?;
-    }
-    let next = suffixed(path, ".new");
-    let file = File::create(&next)?;
-    write(&file)?;
-    file.sync_all()?;
-    drop(file);
-    if path.exists() {
-        // A second name for the old file: it has a name at every moment.
-        let old = backup(path);
-        match fs::remove_file(&old) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        if fs::hard_link(path, &old).is_err() {
-            fs::copy(path, &old)?;
-        }
-    }
-    fs::rename(&next, path)?;
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
-        // The rename itself is on disk once its folder is.
-        File::open(folder)?.sync_all()?;
-    }
-    Ok(())
-}
-
-/// Where the file before this one stays: its name with `.bak` behind it.
-#[must_use]
-pub fn backup(path: &Path) -> PathBuf {
-    suffixed(path, ".bak")
-}
-
-fn suffixed(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    PathBuf::from(name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_file_before_stays() {
-        let folder = std::env::temp_dir().join(format!("lmpc-save-{}", std::process::id()));
-        let path = folder.join("learned.lmpc");
-        replace(&path, |mut file| file.write_all(b"first")).unwrap();
-        replace(&path, |mut file| file.write_all(b"second")).unwrap();
-        replace(&path, |mut file| file.write_all(b"third")).unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"third");
-        assert_eq!(fs::read(backup(&path)).unwrap(), b"second");
-        assert!(!suffixed(&path, ".new").exists());
-        fs::remove_dir_all(&folder).unwrap();
-    }
 }

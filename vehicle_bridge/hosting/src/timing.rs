@@ -31,7 +31,7 @@ fn processor_time() -> f64 {
         .map_or(0.0, |time| Duration::from(time).as_secs_f64())
 }
 
-/// A clock that is told about the phases.
+/// Measures the phases of a step.
 #[derive(Debug)]
 pub struct Stopwatch {
     time: StepTime,

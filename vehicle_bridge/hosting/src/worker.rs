@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-/// The running thread; dropped, it is told to end and waited for.
+/// The running thread; dropping it sets the flag and joins the thread.
 #[derive(Debug)]
 pub struct Worker {
     stop: Arc<AtomicBool>,

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::Types;
 
-/// What liblcm says to itself when it starts.
+/// liblcm's test message at its start.
 const SELF_TEST: &str = "LCM_SELF_TEST";
 
 /// One type on one channel.
@@ -31,7 +31,7 @@ pub struct Account {
     /// Messages of each stream.
     #[serde(serialize_with = "as_list")]
     pub streams: BTreeMap<Stream, u64>,
-    /// Messages of types nobody named, by channel.
+    /// Messages of unknown types, by channel.
     pub unknown: BTreeMap<String, u64>,
     /// Messages of a known type that do not decode, by channel.
     pub unreadable: BTreeMap<String, u64>,

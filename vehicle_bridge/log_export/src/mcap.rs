@@ -38,7 +38,7 @@ pub fn write(log: &Path, types: &Types, only: &[String], file: &Path) -> Result<
     let options = WriteOptions::new().compression(None).library("lmpc export");
     let out = options.create(out).with_context(cannot)?;
     let mut book = Book { out, topics: BTreeMap::new() };
-    // The track is said once a second: what was said before its first message is drawn on it too.
+    // The track is sent once a second: messages before its first one are drawn on it, too.
     let mut scene = Scene::new(first_track(log)?);
     let account = log::read(log, types, only, |entry| {
         book.message(types, entry).with_context(cannot)?;

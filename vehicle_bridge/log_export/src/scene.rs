@@ -65,7 +65,7 @@ pub fn schema(name: &str) -> Value {
         "properties": { "deletions": nothing, "entities": list(entity) } })
 }
 
-/// Draws what is said.
+/// Draws the messages.
 #[derive(Debug)]
 pub struct Scene {
     track: Option<Track>,

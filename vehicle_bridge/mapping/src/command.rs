@@ -13,7 +13,7 @@ use super::unit::Quantity;
 /// What the car is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// What to apply; without it the car is told to stop safely.
+    /// Input to apply; `None` sends the safe stop.
     pub input: Option<Input>,
     /// `meas_mono_ns` of the state this answers, if any. \[ns\]
     pub answers_ns: Option<i64>,

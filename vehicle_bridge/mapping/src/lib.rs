@@ -1,4 +1,4 @@
-//! A car's own messages to ours and back, as a map file says. Pure: the host reads the files, keeps
+//! A car's own messages to ours and back, as described by a map file. Pure: the host reads the files, keeps
 //! the time and owns the network.
 //!
 //! [`MapFile`] is the file as written; [`Mapping::new`] resolves every name in it against the `.lcm`

@@ -239,7 +239,7 @@ impl StateMap {
         let (ax, ay, steer) = (get(AX), get(AY), get(STEER));
         valid |= if ax.is_some() && ay.is_some() { VehicleState::ACC } else { 0 };
         valid |= if steer.is_some() { VehicleState::STEER } else { 0 };
-        // A rear axle whose lateral velocity nobody measures does not slip.
+        // Without a measured lateral velocity the rear axle is taken not to slip.
         let vy = if self.numbers[VY].is_some() { vy? } else { 0.0 };
         Some(VehicleState {
             valid,

@@ -113,7 +113,7 @@ pub fn is_finite(pose: &Pose) -> bool {
     }
 }
 
-/// What the controller is told: `since_first_ns` after the first measurement.
+/// The controller's measurement, `since_first_ns` after the first one.
 #[must_use]
 pub fn measurement(
     pose: Pose,

@@ -1,8 +1,9 @@
-//! What a receiver demands of a stream before it believes it. Pure: the host brings the time.
+//! Checks of a received stream: sequence, sender, age. Pure: the caller passes the time.
 
 use lcm_types::{Checked, Header};
 
-/// Numbers this far ahead of the last are believed; a greater leap is no loss of messages. \[-\]
+/// Sequence numbers at most this far ahead of the last are accepted; a greater jump is not explained by
+/// lost messages. \[-\]
 const WINDOW: i64 = 100;
 
 /// Why a message is refused.
@@ -34,7 +35,7 @@ pub struct Counts {
 /// One stream: a channel with one sender.
 #[derive(Debug, Clone)]
 pub struct Guard {
-    /// Oldest message believed. \[ns\]
+    /// Oldest message accepted. \[ns\]
     pub max_age_ns: i64,
     /// A new sender, or a sender started again, is believed after this silence. Only where there is
     /// no bridge: there a controller's start is believed by its grant (`docs/safety.md`). \[ns\]
@@ -53,7 +54,7 @@ struct Last {
     arrival_ns: i64,
 }
 
-/// A message that was believed.
+/// An accepted message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accepted<M> {
     /// The message.

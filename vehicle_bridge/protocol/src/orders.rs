@@ -1,4 +1,4 @@
-//! Which of the operators' orders are new, which are said again, and which are old. Pure.
+//! Which operator commands are new, repeated or old. Pure.
 
 use lcm_types::{Checked as _, OperatorAck, OperatorCommand};
 
@@ -8,12 +8,12 @@ const OPERATORS: usize = 16;
 /// stop. \[ns\]
 const MAX_AGE_NS: i64 = 1_000_000_000;
 
-/// An order that is believed.
+/// An accepted operator command.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Heard {
     /// For the first time.
     New(OperatorCommand),
-    /// Again, because its sender has not heard this answer, or holds a dead man's switch.
+    /// Repeated: its sender did not receive this answer, or holds a dead man's switch.
     Again(OperatorCommand, OperatorAck),
 }
 
@@ -25,9 +25,9 @@ struct Operator {
     answer: Option<OperatorAck>,
 }
 
-/// Orders of any number of operators, each start of `lmpc operator` being one. An order counts
-/// once: what is repeated, out of order, or said again after another operator's order, does not
-/// come into force a second time.
+/// Orders of any number of operators, each start of `lmpc operator` being one. Commands are
+/// idempotent: one that is repeated or out of order, or sent again after another operator's command, does
+/// not take effect a second time.
 #[derive(Debug, Clone)]
 pub struct Orders {
     host: String,
@@ -41,7 +41,7 @@ impl Orders {
         Self { host: host.to_owned(), operators: Vec::new() }
     }
 
-    /// An order, if it is believed. An emergency stop is, whoever sends it, and however often.
+    /// The operator command, if it is accepted. An emergency stop always is.
     pub fn hear(&mut self, bytes: &[u8], (arrival_ns, now_ns): (i64, i64)) -> Option<Heard> {
         let order = OperatorCommand::open(bytes).ok()?;
         let estop = order.command == OperatorCommand::ESTOP;

@@ -1,4 +1,4 @@
-//! Messages on their way out: stamped with sender, number and time.
+//! Publishing with a header: sender, sequence number and time.
 
 use std::fs::File;
 use std::io::Read as _;

@@ -1,4 +1,4 @@
-//! What the controller tells of its work and of its track, as messages.
+//! Telemetry and track as messages.
 
 use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
 use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint};
@@ -51,9 +51,8 @@ pub struct Step {
     pub overruns: i32,
 }
 
-/// One step. The slacks are the largest along the plan: lane \[m\], front and rear slip \[rad\],
-/// speed \[m/s\], and the cost of the terminal slack \[periods\]. What the controller does not
-/// know (residuals, weights and laps of the safe set's points) is not a number, or -1.
+/// One step, before the controller prepares the next. Without a solution the weights of the safe-set
+/// points are not a number.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "telemetry is in single precision")]
 pub fn step_message(
@@ -67,13 +66,10 @@ pub fn step_message(
     let period = controller.config().horizon.period;
     let micros = |seconds: f64| (seconds * 1e6).min(f64::from(i32::MAX)) as i32;
     let solve = step.time.phases[PHASES.len() - 1];
-    let slack = [
-        status.lane_slack,
-        status.front_slip_slack,
-        status.rear_slip_slack,
-        status.speed_slack,
-        status.terminal_slack,
-    ];
+    let slack =
+        [status.lane_slack, status.front_slip_slack, status.rear_slip_slack, status.speed_slack];
+    let solved = status.action == Action::Learned;
+    let weight = |&lambda: &f64| if solved { lambda as f32 } else { f32::NAN };
     let at = |(i, x): (usize, &State)| pred_point(controller.track(), i as f64 * period, x);
     MpcTelemetry {
         h,
@@ -88,9 +84,8 @@ pub fn step_message(
         deadline_us: micros(period),
         overruns: step.overruns,
         cost: status.cost,
-        terminal_cost: f64::NAN,
-        prim_res: f64::NAN,
-        dual_res: f64::NAN,
+        terminal_cost: status.cost_to_go,
+        terminal_slack_cost: status.terminal_slack_cost,
         support_min: status.data_support_min as f32,
         support_mean: status.data_support_mean as f32,
         n_slack: slack.len() as i16,
@@ -103,8 +98,12 @@ pub fn step_message(
         n_ss: set.points.len() as i16,
         ss: set.points.iter().map(|x| x.iter().map(|&v| v as f32).collect()).collect(),
         ss_cost: set.cost_to_go.iter().map(|&cost| cost as f32).collect(),
-        ss_lambda: vec![f32::NAN; set.points.len()],
-        ss_lap: vec![-1; set.points.len()],
+        ss_lambda: controller
+            .safe_set_weights()
+            .iter()
+            .take(set.points.len())
+            .map(weight)
+            .collect(),
     }
 }
 
@@ -210,5 +209,53 @@ fn pred_point(track: &Track, t: f64, x: &State) -> PredPoint {
         s: x.s as f32,
         e_y: x.e_y as f32,
         e_psi: x.e_psi as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use std::sync::Arc;
+
+    use controller::{Config, Measurement, Pose, Preset};
+    use vehicle_model::{CarParams, Plant, PlantParams};
+
+    use super::*;
+
+    #[test]
+    fn the_terminal_cost_is_that_of_the_weights_and_points_sent_with_it() {
+        let car = CarParams::builtin("barc").unwrap();
+        let track = Arc::new(Track::builtin("l").unwrap());
+        let mut config = Config::derived(Preset::Race, &car, &track);
+        config.warm_up.laps = 2;
+        let start = State { v_x: config.warm_up.speed, ..State::default() };
+        let period = config.horizon.period;
+        let mut plant =
+            Plant::new(PlantParams::new(car.clone()), Arc::clone(&track), start).unwrap();
+        let mut controller = Controller::new(config, car, track).unwrap();
+        let mut learned = 0;
+        for n in 0..400 {
+            let pose = Pose::Frenet(plant.measure());
+            let time = f64::from(n) * period;
+            let command = controller.step(&Measurement { time, pose, applied: None });
+            let step = Step::default();
+            let message = step_message(Header::default(), &controller, &command, &step);
+            assert_eq!(message.slack.len(), 4);
+            if command.status.action == Action::Learned {
+                learned += 1;
+                let total: f32 = message.ss_lambda.iter().sum();
+                assert!((total - 1.0).abs() < 1e-4, "the weights' sum is {total}");
+                let pairs = message.ss_cost.iter().zip(&message.ss_lambda);
+                let terminal: f32 = pairs.map(|(cost, lambda)| cost * lambda).sum();
+                let sent = message.terminal_cost;
+                assert!((f64::from(terminal) - sent).abs() < 1e-3 * (1.0 + sent.abs()), "{sent}");
+                assert!(message.terminal_slack_cost >= 0.0);
+            } else {
+                assert!(message.ss_lambda.iter().all(|lambda| lambda.is_nan()));
+            }
+            controller.prepare();
+            plant.apply(command.input, period);
+        }
+        assert!(learned > 50, "{learned} steps");
     }
 }

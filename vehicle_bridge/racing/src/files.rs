@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::record::{LapRow, StepRow};
-use super::words::{action_word, kind_word, reason_word, solver_word};
+use super::words::{action_word, kind_word, reason_word, solve_word, solver_word};
 use hosting::timing::StepTime;
 
 const LAPS: &str = "lap,kind,iteration,lap_time_s,valid,v_max_mps,v_mean_mps,e_y_max_m,\
@@ -17,7 +17,7 @@ overhang_max_m";
 const TRAJECTORY: &str = "time_s,lap,v_x_mps,v_y_mps,omega_z_radps,e_psi_rad,s_m,e_y_m,a_mps2,\
 delta_rad,x_m,y_m,psi_rad,alpha_f_rad,alpha_r_rad,tyre_use_f,tyre_use_r,action,reason,solve,\
 solver,iterations,cost,lane_slack_m,front_slip_slack_rad,rear_slip_slack_rad,speed_slack_mps,\
-terminal_slack,data_support_min,data_support_mean,model_error,clipped,\
+terminal_slack_cost,data_support_min,data_support_mean,model_error,clipped,\
 overhang_m";
 
 const TIMINGS: &str = "time_s,lap,project_us,linearize_us,regress_us,safe_set_us,solve_us,step_us";
@@ -73,7 +73,7 @@ pub fn write_trajectory(path: &Path, steps: &[StepRow]) -> io::Result<()> {
         write!(out, "{},{},{},{},{},", row.u.a, row.u.delta, s.x, s.y, s.psi)?;
         write!(out, "{},{},{},{},", row.alpha_f, row.alpha_r, row.use_f, row.use_r)?;
         write!(out, "{},{},", action_word(status.action), reason_word(status.reason))?;
-        write!(out, "{:?},{},", status.solve, solver_word(status.solver))?;
+        write!(out, "{},{},", solve_word(status.solve), solver_word(status.solver))?;
         write!(out, "{},{},", status.iterations, status.cost)?;
         write!(
             out,
@@ -82,7 +82,7 @@ pub fn write_trajectory(path: &Path, steps: &[StepRow]) -> io::Result<()> {
             status.front_slip_slack,
             status.rear_slip_slack,
             status.speed_slack,
-            status.terminal_slack
+            status.terminal_slack_cost
         )?;
         writeln!(
             out,

@@ -1,8 +1,8 @@
-//! The words of CSV, JSON and reports for what the controller says in types.
+//! Words of the controller's enums in CSV, JSON and reports.
 
 use controller::config::{NominalModel, RegressionMode};
 use controller::fhocp::Backend;
-use controller::{Action, LapKind, Reason};
+use controller::{Action, LapKind, Reason, SolveStatus};
 
 /// The word of an action in CSV and JSON.
 #[must_use]
@@ -30,6 +30,19 @@ pub fn reason_word(reason: Reason) -> &'static str {
         Reason::WrongWay => "wrong_way",
         Reason::Standstill => "standstill",
         Reason::NoSafeSet => "no_safe_set",
+    }
+}
+
+/// The word of how the solver ended, in CSV and JSON.
+#[must_use]
+pub fn solve_word(solve: SolveStatus) -> &'static str {
+    match solve {
+        SolveStatus::NotRun => "not_run",
+        SolveStatus::Solved => "solved",
+        SolveStatus::AlmostSolved => "almost_solved",
+        SolveStatus::MaxIterations => "max_iterations",
+        SolveStatus::Infeasible => "infeasible",
+        SolveStatus::Numerical => "numerical",
     }
 }
 
@@ -68,5 +81,32 @@ pub fn model_word(model: NominalModel) -> &'static str {
     match model {
         NominalModel::Dynamic => "dynamic",
         NominalModel::Kinematic => "kinematic",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_words_of_a_row_are_written_in_one_way() {
+        let solves = [
+            SolveStatus::NotRun,
+            SolveStatus::Solved,
+            SolveStatus::AlmostSolved,
+            SolveStatus::MaxIterations,
+            SolveStatus::Infeasible,
+            SolveStatus::Numerical,
+        ];
+        let actions = [Action::WarmUp, Action::Learned, Action::ShiftedPlan, Action::Braking];
+        let backends = [Some(Backend::Structured), Some(Backend::Clarabel), None];
+        let words = solves.map(solve_word).into_iter().chain(actions.map(action_word));
+        let mut count = 0;
+        for word in words.chain(backends.map(solver_word)) {
+            let plain = word.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+            assert!(plain, "`{word}`: lower case with underscores");
+            count += 1;
+        }
+        assert_eq!(count, 13);
     }
 }

@@ -21,8 +21,8 @@ pub enum Reject {
     /// Checksum, or contents that do not decode.
     #[error("checksum or contents damaged")]
     Crc,
-    /// A sender that says too much.
-    #[error("more than a sender may say")]
+    /// The sender exceeded its rate limit.
+    #[error("rate limit exceeded")]
     Rate,
     /// Not a number, or infinite.
     #[error("not finite")]

@@ -27,11 +27,11 @@ pub enum Lapse {
     /// The controller asked to stop.
     #[error("the controller asked to stop")]
     Controller,
-    /// The controller sent more than a sender may.
+    /// The controller exceeded the rate limit.
     #[error("the controller sends too much")]
     Flood,
-    /// The controller's life signs ended.
-    #[error("no life sign of the controller")]
+    /// The controller's heartbeats ended.
+    #[error("no heartbeat of the controller")]
     Pulse,
     /// The operator.
     #[error("the operator's order")]

@@ -1,7 +1,7 @@
 //! The safety core between controller and car: a pure function of state, event and time.
 //!
 //! [`step`] knows no clock, no network and no memory but the [`Safety`] it is given; the host
-//! tells it what came and when, and applies what each [`Event::Tick`] answers. It does not
+//! passes events with their times and applies what each [`Event::Tick`] answers. It does not
 //! allocate. States and rules are in `docs/safety.md`.
 
 mod check;

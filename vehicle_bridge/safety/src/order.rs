@@ -59,8 +59,8 @@ pub enum Denied {
         /// So far. \[s\]
         good_s: f64,
     },
-    /// No life sign.
-    #[error("no life sign of the controller on HB/lmpc: is `lmpc serve` running?")]
+    /// No heartbeat.
+    #[error("no heartbeat of the controller on HB/lmpc: is `lmpc serve` running?")]
     NoController,
     /// Two controllers are live and none was chosen.
     #[error(

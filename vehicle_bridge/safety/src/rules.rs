@@ -37,7 +37,7 @@ pub struct Rules {
     pub max_age_ns: i64,
     /// How long states must have been good before arming. \[ns\]
     pub ready_ns: i64,
-    /// Oldest life sign of the controller that counts for arming. \[ns\]
+    /// Oldest heartbeat of the controller that counts for arming. \[ns\]
     pub pulse_ns: i64,
     /// After START the car stands this long at most without a first command. \[ns\]
     pub start_ns: i64,

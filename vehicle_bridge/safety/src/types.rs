@@ -101,7 +101,7 @@ pub enum Answer {
     None,
     /// Believed, or obeyed.
     Accepted,
-    /// A command that was not believed, or a life sign of another controller than the armed one.
+    /// A command that was not believed, or a heartbeat of another controller than the armed one.
     Rejected(Reject),
     /// An order that was not obeyed.
     Denied(Denied),
@@ -123,7 +123,7 @@ pub struct Output {
 pub struct Counts {
     /// Believed. \[-\]
     pub ok: i64,
-    /// Refused by number or sender, and life signs of another controller than the armed one. \[-\]
+    /// Refused by number or sender, and heartbeats of another controller than the armed one. \[-\]
     pub old: i64,
     /// Refused by age. \[-\]
     pub stale: i64,

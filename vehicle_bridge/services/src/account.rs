@@ -1,4 +1,4 @@
-//! What the bridge says of itself to people. Numbers until a life sign is sent: words are not made
+//! The bridge's status as text for people. Numbers until a heartbeat is sent: words are not made
 //! at every tick.
 
 use std::fmt;
@@ -14,8 +14,8 @@ use transport::record::Log;
 pub(super) enum Refused {
     /// A command.
     Command(Reject),
-    /// A life sign.
-    LifeSign(Reject),
+    /// A heartbeat.
+    Heartbeat(Reject),
     /// A step or a message, by the car's side.
     Car(Arc<str>),
 }
@@ -24,7 +24,7 @@ impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Command(reject) => write!(f, "a command was refused: {reject}"),
-            Self::LifeSign(reject) => write!(f, "a life sign was refused: {reject}"),
+            Self::Heartbeat(reject) => write!(f, "a heartbeat was refused: {reject}"),
             Self::Car(why) => f.write_str(why),
         }
     }
@@ -121,14 +121,14 @@ mod tests {
             car: Some(mapping::Counts::default()),
             doubt: Finding::default(),
             neighbours: Some("another bridge".into()),
-            refused: Some(Refused::LifeSign(Reject::Boot)),
+            refused: Some(Refused::Heartbeat(Reject::Boot)),
             log: None,
         };
         assert_eq!(
             account.to_string(),
             "a note; last stop: the bridge itself stood still; 3 inputs limited; now asked 0.00 \
              m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
-             be sent; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a life sign was refused: not from \
+             be sent; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a heartbeat was refused: not from \
              the controller that was armed"
         );
     }

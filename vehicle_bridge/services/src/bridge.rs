@@ -58,7 +58,7 @@ pub struct Bridge {
     pub(super) neighbours: Neighbours,
     /// For the bench: panics after this long in RUNNING.
     pub(super) panic_after: Option<Duration>,
-    /// What the car was told at the last tick.
+    /// Input of the last tick.
     pub(super) held: Input,
     pub(super) source: Source,
     pub(super) bridged: Bridged,
@@ -128,7 +128,7 @@ impl Bridge {
         Self { panic_after, ..self }
     }
 
-    /// Tells in every life sign what the log behind the network loses.
+    /// Tells in every heartbeat what the log behind the network loses.
     #[must_use]
     pub fn with_log(self, log: Option<Log>) -> Self {
         self.pulse.update(|health| health.detail.log = log);
@@ -203,7 +203,7 @@ impl Bridge {
                 }
                 self.neighbours.note(Role::Controller, &beat.h);
                 if let Answer::Rejected(reject) = self.step(&Event::Pulse(beat.h.boot_id)).answer {
-                    self.refuse(Refused::LifeSign(reject));
+                    self.refuse(Refused::Heartbeat(reject));
                 }
             }
         }

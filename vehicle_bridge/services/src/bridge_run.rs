@@ -172,7 +172,7 @@ impl Bridge {
         let output = self.step(&Event::Tick);
         (self.held, self.source) = (output.applied.sent, output.source);
         if let Err(error) = self.side.actuate(&output) {
-            self.fail(&format!("the car cannot be told: {error}"));
+            self.fail(&format!("the car cannot be commanded: {error}"));
         }
         self.report(&output);
         self.step(&Event::Sent);

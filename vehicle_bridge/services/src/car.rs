@@ -16,7 +16,7 @@ use protocol::outlet::{Identity, Outlet};
 use transport::{Filter, Inbox, Received, Transport};
 use vehicle_host::Vehicle;
 
-/// How often the state is said again while nobody answers it.
+/// How often the state is sent again while it is not answered.
 const REPEAT: Duration = Duration::from_millis(200);
 /// Messages on the commands' channel that may wait for the car. \[-\]
 const WAITING: usize = 1024;
@@ -60,7 +60,7 @@ pub struct Drive {
     pub late: u64,
     /// Latest begin of a period. \[s\]
     pub latest: f64,
-    /// In lock-step, nobody answered.
+    /// In lock-step, no answer arrived.
     pub deserted: bool,
     /// A command came that was believed.
     pub commanded: bool,

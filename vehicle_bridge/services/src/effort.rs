@@ -31,7 +31,7 @@ impl Effort {
         stop
     }
 
-    /// What a life sign says of it: nothing as long as all steps were in time.
+    /// Text for the heartbeat; `None` while all steps were in time.
     pub(super) fn complaint(&self) -> Option<String> {
         let late = format!("{} steps took longer than a period", self.overruns);
         match (self.overruns, self.stops) {

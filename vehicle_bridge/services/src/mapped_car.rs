@@ -21,7 +21,7 @@ const SILENCE_NS: i64 = 1_000_000_000;
 const STILL: f64 = 0.1;
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(20);
-/// At the end the stop is said this often: one may be lost. \[-\]
+/// At the end the stop is sent this often: one may be lost. \[-\]
 const LAST_WORDS: u32 = 3;
 
 /// What the bridge did.
@@ -31,7 +31,7 @@ pub struct Bridged {
     pub states: u64,
     /// Commands sent to the car. \[-\]
     pub sent: u64,
-    /// Times the commands stopped and the car was told to. \[-\]
+    /// Times the commands ended and the stop was sent. \[-\]
     pub stops: u64,
     /// What became of the controller's commands.
     pub commands: Counts,
@@ -94,7 +94,7 @@ impl MappedCar {
         })
     }
 
-    /// Bridges until `stop` is set, then tells the car to stop.
+    /// Bridges until `stop` is set, then commands the car to stop.
     ///
     /// # Errors
     /// If the network refuses a message.

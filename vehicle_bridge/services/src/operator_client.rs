@@ -1,4 +1,4 @@
-//! An operator's order: said until everybody it concerns has answered, or as long as a dead man's
+//! An operator command: repeated until every receiver has answered, or as long as a dead man's
 //! switch is held.
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use transport::{Filter, Inbox, Transport};
 const REPEAT: Duration = Duration::from_millis(10);
 /// Tellings of an emergency stop each time. \[-\]
 const ESTOP_TIMES: u32 = 3;
-/// In this time everybody on the network was heard: three life signs.
+/// In this time every program on the network sends a heartbeat: three periods.
 const LOOK: Duration = Duration::from_millis(300);
 /// Nobody is waited for any longer.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -103,7 +103,7 @@ impl Operator {
     /// says.
     ///
     /// # Errors
-    /// If nobody answers, the network refuses it, or ARM or START would reach two bridges.
+    /// If there is no answer, the network refuses it, or ARM or START would reach two bridges.
     pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<Answered>> {
         order.request_id = random();
         if matches!(order.command, OperatorCommand::ARM | OperatorCommand::START) {
@@ -151,7 +151,7 @@ impl Operator {
         }
         if acks.is_empty() {
             bail!(
-                "nobody answered within {} s: is `lmpc bridge` or `lmpc serve` running on this \
+                "no answer within {} s: is `lmpc bridge` or `lmpc serve` running on this \
                  network?",
                 PATIENCE.as_secs()
             );
@@ -159,11 +159,11 @@ impl Operator {
         Ok(acks)
     }
 
-    /// START with the dead man's switch held until `release` is set, then STOP; `begun` hears who
-    /// obeys. When this program dies, the bridge hears nothing, and stops the car by that.
+    /// START with the dead man's switch held until `release` is set, then STOP; `begun` is called with who
+    /// obeys. When this program dies, the bridge receives nothing more and stops the car.
     ///
     /// # Errors
-    /// If no bridge is there to watch the switch, nobody answers, or the network refuses it.
+    /// If there is no bridge, no answer, or the network refuses it.
     pub fn hold(
         &mut self,
         mut start: OperatorCommand,
@@ -172,7 +172,7 @@ impl Operator {
     ) -> Result<Held> {
         self.listen(self.begun + LOOK, 0, &mut |_| {});
         if self.bridge.is_none() {
-            bail!("no bridge is heard: nobody would watch the dead man's switch");
+            bail!("no bridge on this network: the dead man's switch would have no effect");
         }
         start.deadman = true;
         let answers = self.give(&mut start)?;

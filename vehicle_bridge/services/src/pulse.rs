@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// Heartbeats from one message of track and setup to the next. \[-\]
 const PLACE_EVERY: u64 = 10;
 
-/// What a program says of itself.
+/// State of a program, as its heartbeat reports it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Health<D = String> {
     /// One of the states of [`Heartbeat`].
@@ -26,7 +26,7 @@ pub struct Health<D = String> {
     pub counts: Counts,
     /// The grant in force, 0 for none. \[-\]
     pub arm_token: i64,
-    /// What a person should know; put into words when it is sent.
+    /// Text for people; formatted when it is sent.
     pub detail: D,
 }
 
@@ -67,7 +67,7 @@ impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
         Ok(Self { health, _worker: worker })
     }
 
-    /// Changes what is said.
+    /// Changes what the next heartbeat reports.
     pub fn update(&self, change: impl FnOnce(&mut Health<D>)) {
         change(&mut self.health.lock().unwrap_or_else(PoisonError::into_inner));
     }
@@ -91,7 +91,7 @@ fn beat<D: Display + Clone>(
             health.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let mut words = std::mem::take(&mut message.detail);
         words.clear();
-        // A text takes everything.
+        // Writing to a String cannot fail.
         let _ = write!(words, "{detail}");
         message = Heartbeat {
             h: outlet.header(),
@@ -107,11 +107,11 @@ fn beat<D: Display + Clone>(
             detail: words,
             ..message
         };
-        // A life sign that is lost is what its absence says.
+        // Errors are ignored: the receiver detects a missing heartbeat itself.
         let _ = outlet.send(&message);
         if let Some((tracks, setups, place)) = place.as_mut().filter(|_| count % PLACE_EVERY == 0) {
             (place.track.h, place.setup.h) = (tracks.header(), setups.header());
-            // Whoever misses them gets them again in a second.
+            // Sent again in a second.
             let _ = tracks.send_sealed(&place.track);
             let _ = setups.send_sealed(&place.setup);
         }
@@ -176,7 +176,7 @@ mod tests {
         }
         drop(pulse);
         let said: Vec<_> = ear.0.lock().unwrap().drain(..).map(|beat| beat.detail).collect();
-        // The first life sign may come before the first tick.
+        // The first heartbeat may come before the first tick.
         let mut made = made.load(Ordering::Relaxed);
         made += usize::from(said.first().is_some_and(|first| first == "tick 0"));
         assert!(said.len() >= 3, "{said:?}");

@@ -137,7 +137,7 @@ impl Player<'_> {
             self.last.filter(|l| (l.boot_id, l.meas_mono_ns) == (boot_id, meas_mono_ns))
             && (if drives { last.stepped } else { last.seq == state.h.seq })
         {
-            // The same measurement said again, or no new one to answer: no step.
+            // The same measurement again, or no new one to answer: no step.
             return;
         }
         if self.last.is_none_or(|last| last.boot_id != boot_id) {

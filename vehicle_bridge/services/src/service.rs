@@ -42,11 +42,11 @@ pub struct ServiceOptions {
     pub wait_for_start: bool,
     /// How long a command may be used; also the oldest state believed. \[s\]
     pub valid_for: f64,
-    /// What a person should know of this start; goes into every life sign.
+    /// What a person should know of this start; goes into every heartbeat.
     pub notes: Vec<String>,
     /// What the bridge compares before it arms this controller.
     pub setup: lcm_types::Setup,
-    /// The log behind the network; what it loses is in every life sign too.
+    /// The log behind the network; what it loses is in every heartbeat too.
     pub log: Option<Log>,
     /// For the bench: steps that take longer.
     pub overrun: Option<Overrun>,
@@ -142,7 +142,7 @@ impl Service {
         })
     }
 
-    /// Serves until `stop` is set, then tells the car to stop.
+    /// Serves until `stop` is set, then commands the car to stop.
     pub fn run(&mut self, stop: &AtomicBool, on_lap: OnLap<'_>) {
         let period = Duration::from_secs_f64(self.controller.config().horizon.period);
         let mut deadline = Instant::now() + period;
@@ -164,7 +164,7 @@ impl Service {
         self.say_stop(ActuationCommand::MODE_SAFE_STOP);
     }
 
-    /// Answers the newest state that is believed; false if none was. All that wait are checked:
+    /// Answers the newest accepted state; false if there was none. All that wait are checked:
     /// whatever else is sent on the channel displaces no state.
     fn answer(&mut self, first: Received, on_lap: OnLap<'_>) -> bool {
         let (mut newest, mut next) = (None, Some(first));
@@ -225,7 +225,7 @@ impl Service {
                 && last.answered.boot_id == answered.boot_id
                 && last.answered.mono_ns == answered.mono_ns
         }) {
-            // The same measurement again: the car has not heard the answer.
+            // The same measurement again: the car did not receive the answer.
             self.command(answered, ActuationCommand::MODE_DRIVE);
             return;
         }

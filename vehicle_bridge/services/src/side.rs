@@ -14,7 +14,7 @@ use safety::{Output, Source};
 use transport::{Received, Transport};
 use vehicle_host::{Vehicle, VehicleError};
 
-/// At the end the car is told to stop this often: one may be lost. \[-\]
+/// At the end the stop is sent this often: one may be lost. \[-\]
 const LAST_WORDS: u32 = 3;
 /// More ticks than these are not made up for: each step takes time itself. \[-\]
 const MOST_STEPS: u32 = 10;
@@ -25,7 +25,7 @@ pub enum CarSide {
     Simulated(Box<dyn Vehicle>),
     /// Moves by whole ticks alone.
     Stepped(SteppedSide),
-    /// Moves by itself, and says where it is.
+    /// Moves by itself and reports its state.
     Mapped(Box<MappedSide>),
 }
 
@@ -50,11 +50,11 @@ pub struct MappedSide {
     bytes: Vec<u8>,
 }
 
-/// A state the car said.
+/// A state reported by the car.
 pub struct Told {
     /// In the track's frame.
     pub x: State,
-    /// Measured later than the one before: a sensor that froze says nothing new.
+    /// Measured later than the one before: a frozen sensor repeats its measurement.
     pub is_new: bool,
     /// Its message, still without a header.
     pub message: VehicleState,
@@ -132,7 +132,7 @@ impl CarSide {
         Some(Told { x, is_new, message })
     }
 
-    /// Tells a real car what to do; a simulated one is told by [`CarSide::drive`].
+    /// Sends the input to a real car; a simulated one gets it by [`CarSide::drive`].
     ///
     /// # Errors
     /// If the command cannot be encoded or sent.
@@ -146,7 +146,7 @@ impl CarSide {
         }
     }
 
-    /// The last words: a real car is told to stop.
+    /// Ends: sends a real car the stop.
     ///
     /// # Errors
     /// As [`CarSide::actuate`].

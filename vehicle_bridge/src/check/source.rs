@@ -15,7 +15,7 @@ const MOST_FINDINGS: usize = 100;
 /// Most times a text is read again.
 const MOST_ROUNDS: usize = 300;
 
-/// What stands in for a missing key so that reading goes on; the first that fits is taken.
+/// Placeholder values inserted for missing keys so that parsing can continue; tried in order.
 const STAND_INS: [&str; 4] = ["1.0", "\"x\"", "true", "{}"];
 
 /// Text with the places found wrong blanked out; lines and columns stay where they are.

@@ -42,7 +42,7 @@ pub struct ExportArgs {
     /// Only this channel; may be repeated
     #[arg(long = "channel", value_name = "NAME")]
     pub channels: Vec<String>,
-    /// Message types beside our own; may be repeated
+    /// Message types in addition to our own; may be repeated
     #[arg(long, value_name = "FILE.lcm")]
     pub types: Vec<PathBuf>,
     /// Print the account of the log as JSON

@@ -69,13 +69,13 @@ pub enum Command {
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network
     Vehicle(VehicleArgs),
-    /// Stand between controller and car: nothing unsafe passes
+    /// Check and limit the commands between controller and car
     Bridge(Box<BridgeArgs>),
-    /// Give an order to bridge and controller
+    /// Send an operator command to bridge and controller
     Operator(OperatorArgs),
     /// See the whole network at a terminal: car, states, rates, ages, step times
     Top(TopArgs),
-    /// Write everything said on an LCM network to a log
+    /// Record every message on an LCM network in a log
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
     Replay(Box<ReplayArgs>),
@@ -95,6 +95,35 @@ pub enum Command {
     Fmu(FmuArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
+}
+
+impl Command {
+    /// The network the command joins, if it joins one.
+    #[must_use]
+    pub fn network(&self) -> Option<&NetworkArgs> {
+        match self {
+            Self::Serve(args) => Some(&args.network),
+            Self::Bridge(args) => Some(&args.network),
+            Self::Operator(args) => Some(&args.network),
+            Self::Top(args) => Some(&args.network),
+            Self::Record(args) => Some(&args.network),
+            Self::Vehicle(args) => match &args.vehicle {
+                Vehicle::Sim(args) => Some(&args.network),
+                Vehicle::Fmu(args) => Some(&args.car.network),
+                Vehicle::Car(args) => Some(&args.network),
+                Vehicle::Inspect(_) => None,
+            },
+            Self::Hil(args) => match &args.action {
+                HilAction::Drive(args) => Some(&args.network),
+                HilAction::Probe(args) => match &args.probe {
+                    Probe::DamagedLog { network } => Some(network),
+                    Probe::SaverKills { .. } | Probe::Saver => None,
+                },
+                HilAction::Run(_) => None,
+            },
+            _ => None,
+        }
+    }
 }
 
 const CHECK_EXAMPLES: &str = "\

@@ -12,13 +12,13 @@ const SERVE_EXAMPLES: &str = "\
 Examples:
   lmpc serve                                 small car, L track, this host's network
   lmpc serve --learned l.lmpc                keep what is learned, and find it again
-  lmpc serve --log drive.log                 and a log of what was said and heard
+  lmpc serve --log drive.log                 and a log of what it sends and receives
   lmpc serve --dry-run                       compute, but never command the car
   lmpc serve --url 'udpm://239.255.76.67:7667?ttl=1' --realtime
 
-Answers each CAR/STATE with one LMPC/CMD and tells of its work on LMPC/TELEM, LMPC/LAP and
-HB/lmpc. Obeys START, STOP, ESTOP, ESTOP_RESET and SET_SPEED_CAP on OP/CMD. Ctrl-C tells the
-car to stop, then ends. LCM has no authentication: give a real car a network of its own.";
+Answers each CAR/STATE with one LMPC/CMD and reports on LMPC/TELEM, LMPC/LAP and HB/lmpc.
+Obeys START, STOP, ESTOP, ESTOP_RESET and SET_SPEED_CAP on OP/CMD. Ctrl-C commands the car to
+stop, then ends. LCM has no authentication: give a real car a network of its own.";
 
 const SIM_EXAMPLES: &str = "\
 Examples:
@@ -51,7 +51,7 @@ impl NetworkArgs {
 #[derive(Debug, Args)]
 #[command(after_help = SERVE_EXAMPLES)]
 pub struct ServeArgs {
-    /// What drives, where, and what it is told.
+    /// Car, track and settings.
     #[command(flatten)]
     pub controller: ControllerArgs,
     /// The network.
@@ -63,7 +63,7 @@ pub struct ServeArgs {
     /// Learned data: loaded if there, saved after every lap
     #[arg(long, value_name = "FILE")]
     pub learned: Option<PathBuf>,
-    /// Event log of what it says and hears, for `lmpc replay`; continued if it is there
+    /// Event log of what it sends and receives, for `lmpc replay`; appended if the file exists
     #[arg(long, value_name = "LOG")]
     pub log: Option<PathBuf>,
     /// From step FIRST on, COUNT steps take MS longer: what a slow solver would do, for the bench
@@ -189,7 +189,7 @@ pub struct ReplayArgs {
     /// Log of `lmpc record` or lcm-logger
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
-    /// What drove, where, and what it was told.
+    /// Car, track and settings of the recorded drive.
     #[command(flatten)]
     pub controller: ControllerArgs,
     /// Seed of the noise in the warm-up laps

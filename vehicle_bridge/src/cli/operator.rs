@@ -34,13 +34,13 @@ pub struct BridgeArgs {
     /// The map of the vehicle FMU or of the car's messages.
     #[command(flatten)]
     pub fmu: FmuVehicleArgs,
-    /// How often a real car says its state; by default once in a controller's period
+    /// Period of a real car's state messages; by default the controller's period
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub state_period_ms: Option<u32>,
     /// Seed of the car's noise
     #[arg(long, default_value_t = 0, value_name = "SEED")]
     pub seed: u64,
-    /// Event log of what it says and hears, the network gone or not; continued if it is there
+    /// Event log of what it sends and receives, also while the network is down; appended if the file exists
     #[arg(long, value_name = "LOG")]
     pub log: Option<PathBuf>,
     /// How much later than due a command or state may come
@@ -84,7 +84,7 @@ pub struct OperatorArgs {
 pub enum OperatorOrder {
     /// Grant the controller a token; the car must stand
     Arm {
-        /// Though the car moves
+        /// Also arm a moving car
         #[arg(long)]
         moving: bool,
         /// Boot id of the controller to arm, where several are live
@@ -95,7 +95,7 @@ pub enum OperatorOrder {
     Disarm,
     /// Let the armed controller drive
     Start {
-        /// The grant; by default the one the bridge says
+        /// The arm token; by default the one the bridge reports
         #[arg(long, value_name = "TOKEN")]
         token: Option<i64>,
         /// Hold the dead man's switch until Ctrl-C or the end of standard input: the car drives as

@@ -36,7 +36,7 @@ Change the simulated car that the controller does not see, as NAME=VALUE,...:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RaceArgs {
-    /// What drives, where, and what it is told.
+    /// Car, track and settings.
     #[command(flatten)]
     pub controller: ControllerArgs,
     /// Laps to drive after the warm-up laps
@@ -77,7 +77,7 @@ pub struct RaceArgs {
     pub json: bool,
 }
 
-/// What drives, where, and what it is told about its car.
+/// Car, track and settings of a controller.
 #[derive(Debug, Args)]
 pub struct ControllerArgs {
     /// Configuration file; its keys override the preset it names

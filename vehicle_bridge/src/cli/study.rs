@@ -100,7 +100,7 @@ pub struct TracksStudyArgs {
     /// a folder of such files
     #[arg(long, value_name = "FILE|FOLDER")]
     pub optimum: Option<PathBuf>,
-    /// Judge the centre of gravity alone, as the paper's studies do
+    /// Judge only the centre of gravity, as the paper's studies do
     #[arg(long)]
     pub centre_of_gravity: bool,
     /// Runs at the same time; by default one for each processor

@@ -12,7 +12,7 @@ Examples:
 
 Shows the car on its track, who drives it, the states of bridge, controller and operator, the time
 of the controller's steps beside what they may take, and each channel's rate, age and losses.
-It only listens. Exit code 1 if nothing was heard.";
+It only listens. Exit code 1 if no message arrived.";
 
 /// Options of `lmpc top`.
 #[derive(Debug, Args)]

@@ -46,7 +46,7 @@ pub struct FmuCarArgs {
     /// Its map.
     #[command(flatten)]
     pub fmu: FmuVehicleArgs,
-    /// What else a car on the network is told.
+    /// Options of a car on the network.
     #[command(flatten)]
     pub car: SimArgs,
 }

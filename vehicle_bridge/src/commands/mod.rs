@@ -54,6 +54,11 @@ impl Outcome {
 /// # Errors
 /// What the user has to put right, in words.
 pub fn run(cli: Cli) -> Result<Outcome> {
+    // Before anything is printed and before any thread: the program may start again.
+    #[cfg(feature = "liblcm")]
+    if let Some(network) = cli.command.network() {
+        transport::liblcm::enter_environment(&network.url())?;
+    }
     let talk = Talk { quiet: cli.quiet };
     match cli.command {
         Command::Race(args) => race::run(&args, talk),

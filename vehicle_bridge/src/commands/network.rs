@@ -78,7 +78,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     ));
     if args.dry_run {
         talk.say(&format!(
-            "dry run: the commands go to {}, none to the car",
+            "dry run: commands go to {} only; the car receives no command",
             channels::COMMAND_DRY
         ));
     }
@@ -240,7 +240,7 @@ fn account(drive: &Drive, talk: Talk) {
         drive.latest * 1e3
     ));
     if !drive.commanded && !drive.deserted {
-        talk.say("no command came: is `lmpc serve` running on the same network?");
+        talk.say("no command arrived: is `lmpc serve` running on the same network?");
     }
     if drive.deserted {
         talk.say("no command answered the last state");
@@ -249,8 +249,6 @@ fn account(drive: &Drive, talk: Talk) {
 
 /// The network, and what a person should know about it.
 pub(super) fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
-    #[cfg(feature = "liblcm")]
-    transport::liblcm::enter_environment(url)?;
     // What it cannot have is reported once, for the loop.
     let start: ThreadStart = Box::new(|| drop(realtime::prioritise(realtime::RECEIVE_PRIORITY)));
     let network = transport::open(url, fifo.then_some(start))

@@ -155,7 +155,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
     })?;
     let end = operator.hold(order, &release, &mut |answers| {
         show(answers)?;
-        talk.say("the dead man's switch is held; Ctrl-C or the end of the input lets go");
+        talk.say("the dead man's switch is held; Ctrl-C or the end of the input releases it");
         Ok(())
     })?;
     match end {

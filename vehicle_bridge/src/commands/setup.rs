@@ -12,7 +12,7 @@ use hosting::load;
 use hosting::settings::{Layers, Usage};
 use racing::{ModelErrorAt, RaceOptions, change_plant};
 
-/// The small car drives with less grip than its controller is told (the paper's mismatch).
+/// The small car drives with less grip than its controller assumes (the paper's mismatch).
 pub(super) const SMALL_CAR: &str = "barc";
 const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
 

@@ -23,7 +23,7 @@ const LEAVE: &str = "\x1b[?25h\x1b[?1049l";
 const HOME: &str = "\x1b[H";
 const CLEAR_LINE: &str = "\x1b[K";
 const CLEAR_BELOW: &str = "\x1b[J";
-/// Where the terminal does not tell. \[characters, lines\]
+/// Where the terminal does not report its size. \[characters, lines\]
 const SIZE: (usize, usize) = (100, 40);
 
 /// Shows the network until Ctrl-C, or once.

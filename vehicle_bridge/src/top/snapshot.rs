@@ -9,7 +9,7 @@ pub struct Snapshot {
     pub track: Option<TrackSeen>,
     /// The car.
     pub car: Option<CarSeen>,
-    /// Programs by their life signs, in the order of their names.
+    /// Programs by their heartbeats, in the order of their names.
     pub programs: Vec<ProgramSeen>,
     /// The last order of an operator.
     pub order: Option<OrderSeen>,
@@ -71,7 +71,7 @@ pub struct ProgramSeen {
     pub sender: String,
     /// State, as people read it.
     pub state: String,
-    /// Of its last life sign. \[s\]
+    /// Of its last heartbeat. \[s\]
     pub age_s: f64,
     /// Whether that is recent.
     pub alive: bool,

@@ -127,7 +127,7 @@ fn a_snapshot_says_what_was_heard() {
     assert_eq!(seen.last_stop.as_deref(), Some("no valid command in time"));
     let [bridge, lmpc] = &seen.programs[..] else { unreachable!("{:?}", seen.programs) };
     assert_eq!((bridge.state.as_str(), bridge.alive, bridge.stale), ("RUNNING", true, 11));
-    assert!(!lmpc.alive, "its life sign is a second old");
+    assert!(!lmpc.alive, "its heartbeat is a second old");
     let order = seen.order.as_ref().unwrap();
     assert_eq!((order.order.as_str(), order.deadman, order.answers.len()), ("start", true, 1));
     let step = seen.step.as_ref().unwrap();

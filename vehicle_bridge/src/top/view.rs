@@ -141,7 +141,7 @@ fn index(share: f64, cells: usize) -> usize {
 fn programs(seen: &Snapshot, width: usize, lines: &mut Vec<String>) {
     for (name, hint) in [("bridge", "lmpc bridge"), ("lmpc", "lmpc serve")] {
         if !seen.programs.iter().any(|program| program.name == name) {
-            let text = format!("{name:8} no life sign (`{hint}` is not running)");
+            let text = format!("{name:8} no heartbeat (`{hint}` is not running)");
             lines.push(paint(SOFT, &text));
         }
     }

@@ -26,7 +26,7 @@ impl Times {
     }
 }
 
-/// How often the system has taken the processor away from this thread; 0 where it does not say.
+/// Involuntary context switches of this thread so far; 0 where the system does not count them.
 pub(super) fn preemptions() -> i64 {
     getrusage(UsageWho::RUSAGE_THREAD).map_or(0, |usage| usage.involuntary_context_switches())
 }

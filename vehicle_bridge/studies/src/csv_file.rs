@@ -40,7 +40,7 @@ pub(super) fn append<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
     write().with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Writes a whole table beside the old one and puts it in its place.
+/// Writes the whole table to a new file and renames it over the old one.
 pub(super) fn replace<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
     let write = || -> Result<()> {
         let next = path.with_extension("csv.new");

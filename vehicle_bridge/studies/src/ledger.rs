@@ -75,11 +75,11 @@ pub struct StudyLap {
     pub settings: String,
 }
 
-/// What tells one run from another.
+/// Key of a run.
 type Key = (String, String, String, String, u64, String);
 
 impl RunRow {
-    /// What tells this run from others.
+    /// Key of the run.
     #[must_use]
     pub fn key(&self) -> Key {
         let (cost, h) = (self.control_rate_cost.to_string(), self.bandwidth.to_string());

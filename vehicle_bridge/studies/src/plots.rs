@@ -127,7 +127,7 @@ fn of_cell(lap: &StudyLap, cell: &Cell) -> bool {
         && lap.bandwidth.to_bits() == cell.bandwidth.to_bits()
 }
 
-/// What tells a cell from the others in its plot.
+/// Name of a cell within its plot.
 fn label(cells: &[&CellSummary], cell: &Cell) -> String {
     let differ = |of: fn(&Cell) -> f64| {
         cells.iter().any(|other| of(&other.cell).to_bits() != of(cell).to_bits())

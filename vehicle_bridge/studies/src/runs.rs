@@ -62,7 +62,7 @@ impl Plan {
         Ok(plans)
     }
 
-    /// What tells this run from others.
+    /// Key of the run.
     #[must_use]
     pub fn key(&self) -> (String, String, String, String, u64, String) {
         self.row().key()

@@ -1,4 +1,4 @@
-//! The study's table beside the paper's numbers.
+//! The study's table, with the paper's numbers.
 
 use comfy_table::{Cell as Column, CellAlignment, Table, presets};
 use serde::Serialize;

@@ -7,7 +7,7 @@ use super::MAX_MESSAGE;
 /// Why a network cannot be reached or a message cannot be sent.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The URL is none, or has an option no one knows.
+    /// Not a URL, or one with an unknown option.
     #[error("LCM URL `{url}`: {reason}")]
     Url {
         /// The URL.

@@ -43,7 +43,7 @@ struct State {
 }
 
 impl Inbox {
-    /// Holds the newest message alone.
+    /// Holds only the newest message.
     #[must_use]
     pub fn latest() -> Self {
         Self::queue(1)

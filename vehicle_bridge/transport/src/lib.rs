@@ -55,7 +55,7 @@ pub struct Message<'a> {
 /// Which channels a sink gets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Filter {
-    /// Every channel. Not with liblcm: the `lcm` crate does not tell channels apart.
+    /// Every channel. Not with liblcm: the `lcm` crate does not report the channel.
     All,
     /// The channels named.
     Only(Vec<String>),
@@ -94,7 +94,7 @@ pub trait Transport: Send + Sync {
     /// What was sent, received and lost so far.
     fn statistics(&self) -> Statistics;
 
-    /// What a person should be told at the start: a receive buffer below what was asked for.
+    /// Warnings for the user at the start: a receive buffer smaller than requested.
     fn warnings(&self) -> &[String];
 }
 

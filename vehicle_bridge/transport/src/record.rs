@@ -1,4 +1,4 @@
-//! Event logs: of everything said on a network, or of what one program says and hears.
+//! Event logs: of all messages on a network, or of what one program sends and receives.
 
 use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
@@ -18,11 +18,11 @@ const WAITING: usize = 65_536;
 /// In front of the disk: more than the largest message of ours. \[B\]
 const BUFFER: usize = 1 << 16;
 
-/// Writes every message to `path` until `stop` is set. `say` hears when the disk begins and ceases
-/// to refuse messages.
+/// Writes every message to `path` until `stop` is set. `say` is called when the disk starts and stops
+/// refusing messages.
 ///
 /// # Errors
-/// If the file cannot be made, or the network tells no channels apart.
+/// If the file cannot be made, or the network does not distinguish channels.
 pub fn record(
     network: &Arc<dyn Transport>,
     path: &Path,
@@ -63,7 +63,7 @@ pub fn record(
 pub struct Log(Arc<BackgroundWriter>);
 
 impl Log {
-    /// What a life sign says of it: nothing as long as all is written.
+    /// Text for the heartbeat; `None` while everything is written.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {
         let (dropped, trouble) = (self.0.dropped(), self.0.trouble());

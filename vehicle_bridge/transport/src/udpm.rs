@@ -19,7 +19,7 @@ use super::{
     check_channel, check_filter, check_size, now,
 };
 
-/// liblcm's test of its own route; nobody's message.
+/// liblcm's test of its own route; not a message.
 const SELF_TEST: &str = "LCM_SELF_TEST";
 /// How often the receiving thread looks whether a message in pieces has expired, and how long it
 /// rests after an error.

@@ -83,7 +83,7 @@ impl Hull {
                 *centred = point[i] - self.centre[i];
             }
         }
-        self.compliance = problem.terminal_slack.map(|weight| 0.5 / weight);
+        self.compliance = problem.terminal_slack_weight.map(|weight| 0.5 / weight);
         self.nu = 0.0;
     }
 

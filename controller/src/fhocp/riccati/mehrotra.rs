@@ -17,7 +17,8 @@ use crate::status::SolveStatus;
 const SHORT_OF_BOUNDARY: f64 = 0.01;
 /// The same in units of the gap, where that is less: the last steps converge quadratically.
 const SHORT_BY_GAP: f64 = 0.03;
-/// Predictors that go so far need no corrector: their second-order term is that of the gap.
+/// If the predictor step is at least this long the corrector is skipped: its second-order term would be of
+/// the size of the remaining gap.
 const FULL: f64 = 0.999;
 /// Steps below this are tried again with more centring.
 const SHORT: f64 = 0.2;

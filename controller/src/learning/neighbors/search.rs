@@ -4,7 +4,7 @@ use super::{Below, LEAF, Leaf, Node, Point, Tree, WIDTH};
 
 /// Points more than asked for that a search holds before it drops the farthest.
 const SPARE: usize = 40;
-/// Points too many that are dropped one by one, which is faster than to select the others.
+/// Up to this many surplus points are removed one at a time; beyond it a partial selection is faster.
 const FEW: usize = 6;
 
 /// A neighbour as one number: the bits of its squared distance, which order as what is not
@@ -75,7 +75,7 @@ impl Found {
     }
 
     /// Notes the boxes of a node that are within reach, the nearest on top: what it holds may spare
-    /// the others. Each is written, and stays if it is near: no branch that nobody can foresee.
+    /// the others. Branch-free: every entry is written, and the length advances only if it is near.
     #[inline(always)]
     fn note(&mut self, node: &Node, query: &Point, reach: f32) {
         let mut len = self.open.len();

@@ -61,7 +61,7 @@ fn drive(log: &Path, url: &str) -> Result<()> {
     // It records once it hears this.
     while fs::metadata(log).map_or(0, |file| file.len()) == 0 {
         if recorder.is_finished() || begun.elapsed() > PATIENCE {
-            bail!("the recorder hears nothing");
+            bail!("the recorder receives nothing");
         }
         network.publish(READY, &[])?;
         std::thread::sleep(Duration::from_millis(5));

@@ -89,7 +89,7 @@ fn start(dir: &Path) -> Result<Child> {
     let mut line = String::new();
     BufReader::new(out).read_line(&mut line)?;
     if line.trim() != "ready" {
-        bail!("the saver says {line:?}, expected \"ready\"");
+        bail!("the saver printed {line:?}, expected \"ready\"");
     }
     Ok(child)
 }

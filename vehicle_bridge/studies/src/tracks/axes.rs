@@ -131,7 +131,7 @@ fn named<T>(given: &str, builtin: bool, value: T) -> Named<T> {
     Named { label, given: given.to_owned(), value }
 }
 
-/// Drops what was given twice, and tells files of one name apart by their paths.
+/// Drops duplicates; files of the same name get their paths as names.
 fn distinct<T>(all: &mut Vec<Named<T>>) {
     let mut seen: Vec<String> = Vec::new();
     all.retain(|one| {

@@ -11,7 +11,7 @@ use racing::{ModelErrorAt, RaceOptions};
 /// One run to be done. What it does depends on nothing else.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What tells it from others.
+    /// Its key.
     pub key: Key,
     /// Time of the optimal lap, where it is known \[s\].
     pub optimum: Option<f64>,

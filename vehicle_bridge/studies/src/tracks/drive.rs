@@ -138,6 +138,6 @@ fn describe(steps: &[StepRow]) -> String {
         most(|s| s.front_slip_slack),
         most(|s| s.rear_slip_slack),
         most(|s| s.speed_slack),
-        most(|s| s.terminal_slack)
+        most(|s| s.terminal_slack_cost)
     )
 }

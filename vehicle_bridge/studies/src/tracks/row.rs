@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What tells one run from another.
+/// Key of a run.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Key {
     /// Name of the car.
@@ -105,7 +105,7 @@ impl Row {
         }
     }
 
-    /// What tells this run from others.
+    /// Key of the run.
     #[must_use]
     pub fn key(&self) -> Key {
         Key {

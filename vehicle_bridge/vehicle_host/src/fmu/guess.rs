@@ -175,7 +175,7 @@ fn guess<'a>(
     best.map(|(_, guess)| guess)
 }
 
-/// A map as TOML, what is uncertain said in comments.
+/// A map as TOML; uncertain entries are commented.
 #[must_use]
 pub fn propose(inspection: &Inspection, file: &str) -> String {
     if is_ours(inspection) {
@@ -227,7 +227,7 @@ fn section<'a>(
     for (quantity, dimension) in quantities {
         let Some(found) = find((quantity, *dimension)) else {
             if all {
-                let _ = writeln!(text, "# {quantity} = ?  # nothing looks like it");
+                let _ = writeln!(text, "# {quantity} = ?  # no variable matches");
             }
             continue;
         };

@@ -7,7 +7,7 @@ use std::process::Command;
 use fmu_core::Inspection;
 use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_NOW};
 
-/// What tells that PythonFMU made an FMU: it expects to be loaded by a Python.
+/// Mark of an FMU made by PythonFMU: it expects to be loaded by Python.
 const PYTHON_MARK: &str = "resources/slavemodule.txt";
 const PYTHON_ASKS: &str = "import os, sysconfig as s; \
     print(os.path.join(s.get_config_var('LIBDIR'), s.get_config_var('INSTSONAME')))";

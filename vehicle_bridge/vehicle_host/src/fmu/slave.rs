@@ -94,7 +94,7 @@ impl Slave {
     /// The variable of this name.
     ///
     /// # Errors
-    /// [`FmuError::NoVariable`] if there is none.
+    /// [`FmuError::NoVariable`] if there is no such variable.
     pub fn variable(&self, name: &str) -> Result<Variable, FmuError> {
         let row = row(&self.inspection, name).ok_or_else(|| FmuError::NoVariable {
             path: self.path.clone(),
@@ -188,7 +188,7 @@ impl Slave {
     /// Reads numbers in order; `values` holds as many.
     ///
     /// # Errors
-    /// [`FmuError`] if a variable is no number, or the FMU refuses to tell it.
+    /// [`FmuError`] if a variable is not a number, or the FMU refuses to read it.
     pub fn numbers(&mut self, of: &[Variable], values: &mut [f64]) -> Result<(), FmuError> {
         for (variable, value) in of.iter().zip(values) {
             *value = self.number(variable)?;
@@ -295,10 +295,10 @@ pub(super) fn attribute<'a>(inspection: &'a Inspection, key: &str) -> &'a str {
     inspection.attributes.iter().find(|(k, _)| k == key).map_or("", |(_, v)| v)
 }
 
-/// What happened and what the FMU said of it.
+/// What happened, with the FMU's own message.
 fn with_heard(what: &str) -> String {
     match heard::take() {
-        Some(said) => format!("{what}; it says: {said}"),
+        Some(said) => format!("{what}; the FMU's message: {said}"),
         None => what.to_owned(),
     }
 }

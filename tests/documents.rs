@@ -1,0 +1,206 @@
+//! What the documents promise: every link leads somewhere, every command and option exists, the book
+//! holds every page, the code in the README is an example that is compiled.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn pages() -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "md") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn documents() -> Vec<PathBuf> {
+    let top = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "fmu/README.md"];
+    let top = top.into_iter().chain(["tracks/README.md"]).map(|name| root().join(name));
+    top.chain(pages()).collect()
+}
+
+/// Text without code blocks.
+fn prose(text: &str) -> String {
+    let mut code = false;
+    let keep = |line: &&str| {
+        let fence = line.trim_start().starts_with("```");
+        code ^= fence;
+        !code && !fence
+    };
+    text.lines().filter(keep).map(|line| format!("{line}\n")).collect()
+}
+
+/// Targets of `[text](target)`.
+fn links(text: &str) -> Vec<String> {
+    let prose = prose(text);
+    let targets = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    targets.map(str::to_owned).collect()
+}
+
+/// The anchor mdBook and forges give a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim().to_lowercase();
+    let kept = kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+fn anchors(text: &str) -> Vec<String> {
+    let prose = prose(text);
+    let headings = prose.lines().filter(|line| line.starts_with('#'));
+    headings.map(|line| anchor(line.trim_start_matches('#'))).collect()
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let mut count = 0;
+    for document in documents() {
+        let text = read(&document);
+        for link in links(&text) {
+            if link.starts_with("http") || link.starts_with("mailto:") {
+                continue;
+            }
+            count += 1;
+            let (path, fragment) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if path.is_empty() {
+                document.clone()
+            } else {
+                document.parent().unwrap().join(path)
+            };
+            assert!(target.exists(), "{}: {link} leads nowhere", document.display());
+            if !fragment.is_empty() {
+                let known = anchors(&read(&target));
+                let found = known.iter().any(|anchor| anchor == fragment);
+                assert!(found, "{}: {link}: no such heading in {known:?}", document.display());
+            }
+        }
+    }
+    assert!(count > 40, "{count} links");
+}
+
+#[test]
+fn the_book_holds_every_page_once() {
+    let summary = read(&root().join("docs/SUMMARY.md"));
+    let listed = links(&summary);
+    for page in pages() {
+        let name = page.strip_prefix(root().join("docs")).unwrap().display().to_string();
+        let times = listed.iter().filter(|link| **link == name).count();
+        let expected = usize::from(name != "SUMMARY.md");
+        assert_eq!(times, expected, "{name} in docs/SUMMARY.md");
+    }
+}
+
+#[test]
+fn pages_of_the_book_link_within_the_book_or_to_files_of_the_tree() {
+    // Links out of docs/ would break in the built book.
+    for page in pages() {
+        for link in links(&read(&page)) {
+            let outside = page.parent().unwrap().join(&link);
+            let inside = outside.canonicalize().map(|path| path.starts_with(root().join("docs")));
+            let local = !link.starts_with("http") && !link.starts_with('#');
+            let fine = !local || link.contains('#') || inside.unwrap_or(true);
+            assert!(fine, "{}: {link} leaves the book; name the path as code", page.display());
+        }
+    }
+}
+
+/// Code blocks of a language.
+fn blocks(text: &str, language: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for part in text.split("```").skip(1).step_by(2) {
+        if let Some(code) = part.strip_prefix(language).and_then(|rest| rest.strip_prefix('\n')) {
+            found.push(code.to_owned());
+        }
+    }
+    found
+}
+
+#[test]
+fn the_code_of_the_readme_is_an_example_that_is_compiled() {
+    let blocks = blocks(&read(&root().join("README.md")), "rust");
+    let example = read(&root().join("controller/examples/race_in_20_lines.rs"));
+    assert_eq!(blocks.len(), 1);
+    assert!(example.ends_with(&blocks[0]), "README.md and the example differ:\n{}", blocks[0]);
+}
+
+#[test]
+fn every_command_in_the_documents_is_in_the_reference() {
+    let reference = read(&root().join("docs/reference/cli.md"));
+    let mut count = 0;
+    for document in documents().iter().chain([&root().join("examples/lcm/car.toml")]) {
+        if document.ends_with("CHANGELOG.md") {
+            continue;
+        }
+        for block in blocks(&read(document), "sh") {
+            for line in block.lines() {
+                let line = line.split(" #").next().unwrap();
+                for part in line.split(['&', ';', '|']) {
+                    let mut words = part.split_whitespace();
+                    if words.next() != Some("lmpc") {
+                        continue;
+                    }
+                    let Some(name) = words.next() else { continue };
+                    count += 1;
+                    let heading = format!("## `lmpc {name}");
+                    let place = format!("{}: `{}`", document.display(), part.trim());
+                    assert!(reference.contains(&heading), "{place}: no such command");
+                    for word in words.filter(|word| word.starts_with("--")) {
+                        let option = word.split('=').next().unwrap();
+                        assert!(reference.contains(option), "{place}: no option {option}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(count > 40, "{count} commands");
+}
+
+#[test]
+fn the_rustdoc_of_the_controller_links_to_files_that_exist() {
+    let text = read(&root().join("controller/src/lib.rs"));
+    let sources: Vec<&str> =
+        text.split("(../src/").skip(1).filter_map(|rest| rest.split(".html").next()).collect();
+    assert!(sources.len() >= 10, "{sources:?}");
+    for source in sources {
+        let (package, path) = source.split_once('/').unwrap();
+        let file = root().join(package).join("src").join(path);
+        assert!(file.exists(), "{source}");
+    }
+}
+
+#[test]
+fn the_readme_is_short() {
+    assert!(read(&root().join("README.md")).lines().count() <= 150);
+}
+
+#[test]
+fn lints_and_ci_check_everything_that_is_configured() {
+    let makefile = read(&root().join("Makefile"));
+    let deny = read(&root().join("deny.toml"));
+    let line = makefile.lines().find(|line| line.contains("cargo deny check")).unwrap();
+    for table in ["[licenses]", "[bans]", "[sources]", "[advisories]"] {
+        assert!(deny.contains(table), "deny.toml has no {table}");
+    }
+    assert_eq!(line.trim(), "cargo deny check", "all tables of deny.toml are checked");
+    let workflow = read(&root().join(".github/workflows/ci.yml"));
+    assert!(workflow.contains(".ci/run"));
+    let oldest: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    let oldest = oldest["workspace"]["package"]["rust-version"].as_str().unwrap();
+    assert!(workflow.contains(&format!("rust-toolchain@{oldest}")), "the oldest Rust is tested");
+}
