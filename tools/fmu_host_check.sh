@@ -1,73 +1,88 @@
 #!/bin/sh
-# Holds the libraries of tools/fmu.sh --windows to a plain C importer: natively under Valgrind, a
-# hundred times loaded, run and freed; on Windows under wine, with the same numbers. Also their size,
-# what they need, and that no path of this machine is inside. Arguments: FMUs (default out/fmu).
-# With --arm64 first, the same for the libraries of tools/fmu.sh --arm64, under qemu; needs
-# gcc-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user.
+# Holds the libraries of tools/fmu.sh to plain C importers: natively under Valgrind, loaded, run and
+# freed again and again; the same race natively, on Windows under wine and on ARM64 under qemu, with
+# the same bits whatever floating-point state the host has. Also their size, the glibc and libraries
+# they need, the stack they take, and that no path of this machine is inside.
+# Arguments: FMUs (default out/fmu).
 set -eu
 cd "$(dirname "$0")/.."
-arm64=
-if [ "${1:-}" = --arm64 ]; then
-    arm64=1
-    shift
-fi
+. tools/zig.sh
 fmus=${1:-out/fmu}
 target=${CARGO_TARGET_DIR:-target}
 lib=$target/fmu/lib
 work=$target/fmu/host
 mkdir -p "$work"
-
-gcc -O1 -Wall -Wno-unused-variable -o "$work/host" fmu/tests/host/host.c -ldl
-if [ -n "$arm64" ]; then
-    aarch64-linux-gnu-gcc -O1 -Wno-unused-variable -o "$work/host-arm64" fmu/tests/host/host.c -ldl
-else
-    x86_64-w64-mingw32-gcc -O1 -o "$work/host.exe" fmu/tests/host/host.c
-    x86_64-w64-mingw32-gcc -shared -o "$work/bcryptprimitives.dll" fmu/tests/host/process_prng.c -ladvapi32
-fi
-wine=$(command -v wine64 || command -v wine || echo /usr/lib/wine/wine64)
-export WINEDEBUG=-all WINEPREFIX="$PWD/$work/wine"
+work=$(cd "$work" && pwd)
+x64=$lib/x86_64-unknown-linux-gnu arm64=$lib/aarch64-unknown-linux-gnu win=$lib/x86_64-pc-windows-gnu
+# Four learned laps in ten of the small car's.
+steps=1000
+# Thread stack a host must give: documented in fmu/README.md.
+stack_kib=64
 
 fail() { echo "$*" >&2; exit 1; }
 
-small() { # library: below 4 MiB, no path of this machine
-    [ "$(stat -c %s "$1")" -lt 4194304 ] || fail "$1: larger than 4 MiB"
-    if strings -a "$1" | grep -F -e "$PWD" -e "$HOME/"; then fail "$1: a path of this machine"; fi
-}
+python-zig cc -target "x86_64-linux-gnu.$GLIBC" -O1 -o "$work/race" fmu/tests/host/race.c
+python-zig cc -target "aarch64-linux-gnu.$GLIBC" -O1 -o "$work/race-arm64" fmu/tests/host/race.c
+x86_64-w64-mingw32-gcc -O1 -o "$work/race.exe" fmu/tests/host/race.c
+gcc -O1 -Wall -Wno-unused-variable -o "$work/host" fmu/tests/host/host.c -ldl
+x86_64-w64-mingw32-gcc -O1 -o "$work/host.exe" fmu/tests/host/host.c
+x86_64-w64-mingw32-gcc -shared -o "$work/bcryptprimitives.dll" fmu/tests/host/process_prng.c -ladvapi32
+wine=$(command -v wine64 || command -v wine || echo /usr/lib/wine/wine64)
+export WINEDEBUG=-all WINEPREFIX="$work/wine"
 
-modest() { # objdump, library: needs libc and libm alone
-    needed=$("$1" -p "$2" | awk '/NEEDED/ { print $2 }' | grep -v -e '^libc\.so' -e '^libm\.so' -e '^ld-linux' || true)
-    [ -z "$needed" ] || fail "$2 needs $needed"
-}
+echo "== what the libraries need"
+tools/glibc_floor.sh "$GLIBC" "$x64"/*.so "$arm64"/*.so
+for file in "$x64"/*.so "$arm64"/*.so "$win"/*.dll; do
+    [ "$(stat -c %s "$file")" -lt 4194304 ] || fail "$file: larger than 4 MiB"
+    if strings -a "$file" | grep -F -e "$PWD" -e "$HOME/"; then fail "$file: a path of this machine"; fi
+done
+for name in vehicle controller; do
+    unzip -l "$fmus/fmi3/lmpc-$name.fmu" | grep -q "binaries/aarch64-linux/lmpc_$name.so" ||
+        fail "$fmus/fmi3/lmpc-$name.fmu: no library for ARM"
+done
 
+echo "== one race on three platforms"
+tools/fmu_references.sh "$fmus" > "$work/references"
+cp "$win"/*.dll "$work/"
+native() { "$work/race" "$x64/liblmpc_controller.so" "$x64/liblmpc_vehicle.so" "$work/references" "$@"; }
+arm() { qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/race-arm64" "$arm64/liblmpc_controller.so" \
+    "$arm64/liblmpc_vehicle.so" "$work/references" "$@"; }
+windows() { (cd "$work" && "$wine" race.exe lmpc_controller.dll lmpc_vehicle.dll references "$@") | tr -d '\r'; }
+expected=$(native 2 $steps)
+learned=$(echo "$expected" | cut -d' ' -f2)
+[ "$learned" -gt 500 ] || fail "only $learned of $steps steps were learned ones"
+same() { # what, its output
+    [ "$2" = "$expected" ] || fail "$1: $2; Linux x64, FMI 2: $expected"
+    echo "$1: $2"
+}
+for version in 2 3; do
+    same "FMI $version, Linux x64" "$(native $version $steps)"
+    same "FMI $version, Windows under wine" "$(windows $version $steps)"
+    same "FMI $version, ARM64 under qemu" "$(arm $version $steps)"
+done
+
+echo "== whatever floating-point state the host has"
+for version in 2 3; do
+    # Before everything, after initialisation, in every other step.
+    for when in 0 1 2; do
+        for state in up down zero trap flush; do
+            same "FMI $version, host state '$state' from $when" "$(native $version $steps $state $when)"
+        done
+    done
+    same "FMI $version, wine, rounding up" "$(windows $version $steps up 0)"
+    same "FMI $version, qemu ARM64, rounding up" "$(arm $version $steps up 0)"
+    same "FMI $version, a thread of $stack_kib KiB" "$(native $version $steps nearest 0 $stack_kib)"
+done
+
+echo "== loaded, run and freed"
 for name in vehicle controller; do
     xml=$(unzip -p "$fmus/fmi2/lmpc-$name.fmu" modelDescription.xml)
-    token=$(echo "$xml" | grep -o ' guid="[^"]*"' | cut -d'"' -f2)
+    token=$(echo "$xml" | sed -n 's/.* guid="\([^"]*\)".*/\1/p')
     [ $name = vehicle ] && output=truth.e_y || output=status.steps
-    reference=$(echo "$xml" | grep -o "name=\"$output\" valueReference=\"[0-9]*\"" |
-        grep -o '[0-9]*"$' | tr -d '"')
-    so=$lib/x86_64-unknown-linux-gnu/liblmpc_$name.so
-    dll=$lib/x86_64-pc-windows-gnu/lmpc_$name.dll
-
-    native=$("$work/host" "$so" "$token" 1 100 "$reference")
-    if [ -n "$arm64" ]; then
-        arm=$lib/aarch64-unknown-linux-gnu/liblmpc_$name.so
-        small "$arm"
-        modest aarch64-linux-gnu-objdump "$arm"
-        found=$(qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/host-arm64" "$arm" "$token" 2 100 "$reference")
-        [ "$native" = "$found" ] || fail "$name: x64 $native, ARM $found"
-        unzip -l "$fmus/fmi3/lmpc-$name.fmu" | grep -q "binaries/aarch64-linux/lmpc_$name.so" ||
-            fail "$fmus/fmi3/lmpc-$name.fmu: no library for ARM"
-        echo "$name: $(stat -c %s "$arm") bytes; FMI 2 and 3 after 100 steps on ARM: $found, as on x64"
-        continue
-    fi
-    small "$so"
-    small "$dll"
-    modest objdump "$so"
-    cp "$dll" "$work/"
-    windows=$(cd "$work" && "$wine" host.exe "lmpc_$name.dll" "$token" 1 100 "$reference" | tr -d '\r')
-    [ "$native" = "$windows" ] || fail "$name: Linux $native, Windows $windows"
+    reference=$(echo "$xml" | sed -n "s/.*name=\"$output\" valueReference=\"\([0-9]*\)\".*/\1/p")
     valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
-        "$work/host" "$so" "$token" 100 20 "$reference" > /dev/null
-    echo "$name: $(stat -c %s "$so") and $(stat -c %s "$dll") bytes; FMI 2 and 3 after 100 steps: $native," \
-        "the same under wine; no leak in 100 cycles"
+        "$work/host" "$x64/liblmpc_$name.so" "$token" 20 20 "$reference" > /dev/null
+    # Loaded and freed a thousand times: growth in KiB per time, which the importer holds to 100.
+    "$work/host" "$x64/liblmpc_$name.so" "$token" 1000 2 "$reference" 100
+    (cd "$work" && "$wine" host.exe "lmpc_$name.dll" "$token" 1000 2 "$reference" 100)
 done

@@ -22,6 +22,7 @@
 
 mod bytes;
 pub mod c;
+mod centre_line;
 mod checksum;
 mod controller;
 mod description;

@@ -2,6 +2,9 @@
 
 /// Ticks per second; a nanosecond tick covers 292 years.
 const TICKS_PER_SECOND: f64 = 1e9;
+/// Relative difference between a step and what its host means by it: hosts may keep it in single
+/// precision.
+const SINGLE: f64 = 1e-6;
 
 /// Fires every period, counted from the start of the simulation in integer ticks: the sum of
 /// many inexact communication steps never moves it.
@@ -30,7 +33,14 @@ impl Schedule {
     /// Whether a step of this size [s] can hold more than one event.
     #[must_use]
     pub fn too_long(&self, size: f64) -> bool {
-        ticks(size) > self.period
+        size > self.period() * (1.0 + SINGLE)
+    }
+
+    /// Whether whole steps of this size \[s\] fill the period.
+    #[must_use]
+    pub fn divided_by(&self, size: f64) -> bool {
+        let steps = self.period() / size;
+        (steps - steps.round()).abs() <= SINGLE * steps
     }
 
     /// Takes the next event if it lies before `time` [s after the start]: an event at the end of
@@ -87,6 +97,9 @@ mod tests {
         let schedule = Schedule::new(0.1).unwrap();
         assert!(!schedule.too_long(0.1) && !schedule.too_long(0.1 + 1e-12));
         assert!(schedule.too_long(0.100_001));
+        assert!(!schedule.too_long(f64::from(0.1_f32)) && schedule.divided_by(f64::from(0.1_f32)));
+        assert!(schedule.divided_by(0.01) && schedule.divided_by(f64::from(0.02_f32)));
+        assert!(!schedule.divided_by(0.03) && !schedule.divided_by(0.07));
         assert_eq!(Schedule::new(0.0), None);
         assert_eq!(Schedule::new(f64::NAN), None);
     }

@@ -6,7 +6,7 @@ use crate::controller::ControllerFmu;
 use crate::description::{Description, Version};
 use crate::model::Model;
 use crate::pack::{Binary, PackError, Platform, pack, write_zip};
-use crate::system;
+use crate::system::{self, Ssp};
 use crate::vehicle::VehicleFmu;
 
 /// File names of the FMUs.
@@ -43,8 +43,9 @@ pub fn models() -> [(&'static str, &'static Description); 2] {
     [(CONTROLLER, ControllerFmu::description()), (VEHICLE, VehicleFmu::description())]
 }
 
-/// Writes `fmi2/` and `fmi3/` with both FMUs, `lmpc-race.ssp` (FMI 2.0) and
-/// `fmi3/lmpc-race.ssp`, and `osp/OspSystemStructure.xml`; returns the files.
+/// Writes `fmi2/` and `fmi3/` with both FMUs; the wired system as `lmpc-race.ssp` (SSP 1.0, FMI 2.0),
+/// `fmi3/lmpc-race.ssp` (SSP 1.0, FMI 3.0) and `ssp2/lmpc-race.ssp` (SSP 2.0, FMI 3.0); a parameter
+/// set for each car in `parameters/`; and `osp/OspSystemStructure.xml`. Returns the files.
 ///
 /// # Errors
 /// [`PackError`] if a library is missing or a file cannot be written.
@@ -56,17 +57,34 @@ pub fn ship(libraries: &[Libraries], out: &Path) -> Result<Vec<PathBuf>, PackErr
             pack(description, version, &binaries(libraries, description, version), &path)?;
             written.push(path);
         }
-        let below = if version == Version::Fmi2 { out.to_owned() } else { out.join(folder) };
-        let path = below.join("lmpc-race.ssp");
-        write_system(&out.join(folder), &path)?;
+    }
+    let systems = [
+        (Ssp::V1, "fmi2", "lmpc-race.ssp"),
+        (Ssp::V1, "fmi3", "fmi3/lmpc-race.ssp"),
+        (Ssp::V2, "fmi3", "ssp2/lmpc-race.ssp"),
+    ];
+    for (ssp, fmus, file) in systems {
+        let path = out.join(file);
+        write_system(ssp, &out.join(fmus), &path)?;
+        written.push(path);
+    }
+    for (car, track) in system::CARS {
+        let path = out.join(format!("parameters/{car}.ssv"));
+        write_text(&path, &system::parameter_set(Ssp::V1, car, track))?;
         written.push(path);
     }
     let path = out.join("osp/OspSystemStructure.xml");
-    let error = |source| PackError::File { path: path.clone(), source };
-    std::fs::create_dir_all(out.join("osp")).map_err(error)?;
-    std::fs::write(&path, system::osp_structure("../fmi2")).map_err(error)?;
+    write_text(&path, &system::osp_structure("../fmi2"))?;
     written.push(path);
     Ok(written)
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), PackError> {
+    let error = |source| PackError::File { path: path.to_owned(), source };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(error)?;
+    }
+    std::fs::write(path, text).map_err(error)
 }
 
 /// The libraries of one model, without platforms the version has no folder for.
@@ -80,14 +98,17 @@ fn binaries(libraries: &[Libraries], d: &Description, version: Version) -> Vec<B
     usable.map(binary).collect()
 }
 
-/// The wired system with both FMUs inside.
-fn write_system(fmus: &Path, output: &Path) -> Result<(), PackError> {
-    let ssd = system::ssd().into_bytes();
-    let mut files = vec![("SystemStructure.ssd".to_owned(), ssd)];
+/// The wired system with both FMUs and the cars' parameter sets inside.
+fn write_system(ssp: Ssp, fmus: &Path, output: &Path) -> Result<(), PackError> {
+    let mut files = vec![("SystemStructure.ssd".to_owned(), system::ssd(ssp).into_bytes())];
     for (file, _) in models() {
         let path = fmus.join(file);
         let bytes = std::fs::read(&path).map_err(|source| PackError::File { path, source })?;
         files.push((format!("resources/{file}"), bytes));
+    }
+    for (car, track) in system::CARS {
+        let set = system::parameter_set(ssp, car, track);
+        files.push((format!("resources/{car}.ssv"), set.into_bytes()));
     }
     write_zip(output, &files)
 }

@@ -46,7 +46,17 @@ impl Values {
         &self.texts[slot.0]
     }
 
-    /// Sets a real variable; meant for outputs.
+    /// Sets an integer variable.
+    pub fn set_integer(&mut self, slot: Integer, value: i32) {
+        self.numbers[slot.0] = f64::from(value);
+    }
+
+    /// Sets a truth value.
+    pub fn set_boolean(&mut self, slot: Boolean, value: bool) {
+        self.numbers[slot.0] = f64::from(u8::from(value));
+    }
+
+    /// Sets a real variable: an output, or a parameter as it is in force.
     pub fn set_real(&mut self, slot: Real, value: f64) {
         self.numbers[slot.0] = value;
     }

@@ -12,6 +12,7 @@ use controller::{Action, Command, Config, Controller, ControllerState, Measureme
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
+use crate::centre_line::CentreLine;
 use crate::description::{Description, Terminal};
 use crate::files;
 use crate::model::{Io, Model, Step};
@@ -24,14 +25,17 @@ use slots::Slots;
 
 /// The controller behind FMI: solves at every tick of its period, holds its command between.
 pub struct ControllerFmu {
-    controller: Controller,
-    /// Configuration without the tunable numbers, and those as they act.
-    base: Config,
+    /// On the heap: moving it must not cost the host's stack.
+    controller: Box<Controller>,
+    /// Configuration at the start, and the tunable numbers as they act.
+    base: Box<Config>,
     tuned: Tuned,
     /// Period as configured; ticks times this is the time of a measurement [s].
     period: f64,
     schedule: Schedule,
-    /// Hash of fixed configuration, car and track.
+    /// Whether the host knows that its step does not divide the period.
+    warned: bool,
+    /// Hash of fixed configuration and car.
     identity: u64,
     laps: Laps,
 }
@@ -49,6 +53,7 @@ struct Laps {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ControllerFmuState {
     identity: u64,
+    track: CentreLine,
     ticks: i64,
     laps: Laps,
     tuned: Tuned,
@@ -102,10 +107,10 @@ impl ControllerFmu {
         if tuned == self.tuned {
             return Ok(());
         }
-        let mut config = self.base.clone();
+        let mut config = Config::clone(&self.base);
         slots().settings.tune(&tuned, &mut config);
         let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
-        let mut next = Controller::new(config, car, track).map_err(start::failed)?;
+        let mut next = start::boxed(config, car, track)?;
         next.resume(&self.controller.state());
         (self.controller, self.tuned) = (next, tuned);
         Ok(())
@@ -162,6 +167,8 @@ impl Model for ControllerFmu {
     fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
         let model = start::build(io)?;
         model.publish_start(io.values);
+        slots().settings.publish(model.controller.config(), io.values);
+        start::publish(&model.controller, io.values);
         Ok(model)
     }
 
@@ -172,6 +179,14 @@ impl Model for ControllerFmu {
                  be longer (param.period changes it)",
                 step.size, self.period
             )));
+        }
+        if !self.warned && !self.schedule.divided_by(step.size) {
+            self.warned = true;
+            io.log.warn(format!(
+                "the communication step of {} s does not divide the controller's period of {} s: \
+                 measurements come up to a step late",
+                step.size, self.period
+            ));
         }
         let tick = self.schedule.count();
         if !self.schedule.due_before(step.end() - step.origin) {
@@ -194,6 +209,7 @@ impl Model for ControllerFmu {
     fn state(&self) -> ControllerFmuState {
         ControllerFmuState {
             identity: self.identity,
+            track: CentreLine::of(self.controller.track()),
             ticks: self.schedule.count(),
             laps: self.laps,
             tuned: self.tuned,
@@ -202,10 +218,10 @@ impl Model for ControllerFmu {
     }
 
     fn resume(&mut self, state: &ControllerFmuState) -> Result<(), Fault> {
+        state.track.check(self.controller.track())?;
         if state.identity != self.identity {
             return Err(Fault::Refused(
-                "the state is of another configuration, car or track than this instance's"
-                    .to_owned(),
+                "the state is of another configuration or car than this instance's".to_owned(),
             ));
         }
         self.schedule = Schedule::resumed(self.period, state.ticks)

@@ -1,7 +1,8 @@
 //! What a study varies about the controller, as FMU parameters.
 //!
 //! A number left at its start value follows the preset or the configuration file; any other
-//! value overrides it. So a preset and one changed number need no third parameter.
+//! value overrides it. So a preset and one changed number need no third parameter. After
+//! initialisation every variable reads as what is in force.
 
 use controller::Config;
 
@@ -182,22 +183,42 @@ impl Settings {
         }
     }
 
-    /// The tunable numbers now.
-    pub(crate) fn tuned(&self, values: &Values) -> Tuned {
-        TUNABLE.map(|tunable| {
-            let place = ROWS.iter().position(|row| row.0 == tunable);
-            place.map_or(0.0, |i| values.real(self.numbers[i].0))
-        })
+    /// Writes every tunable number that is not at its start value into the configuration.
+    pub(crate) fn apply_tunable(&self, values: &Values, config: &mut Config) {
+        for ((slot, start), (name, .., set)) in self.numbers.iter().zip(ROWS) {
+            let value = values.real(*slot);
+            if value.to_bits() != start.to_bits() && TUNABLE.contains(name) {
+                set(config, value);
+            }
+        }
     }
 
-    /// Writes every tunable number that is not at its start value into the configuration.
+    /// Writes the numbers in force over the variables: afterwards a tunable one means itself.
+    pub(crate) fn publish(&self, config: &Config, values: &mut Values) {
+        for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
+            values.set_real(*slot, get(config));
+        }
+    }
+
+    /// The tunable numbers of the variables.
+    pub(crate) fn tuned(&self, values: &Values) -> Tuned {
+        self.each(|i| values.real(self.numbers[i].0))
+    }
+
+    /// The tunable numbers of a configuration.
+    pub(crate) fn tuned_in(&self, config: &Config) -> Tuned {
+        self.each(|i| (ROWS[i].4)(config))
+    }
+
+    fn each(&self, value: impl Fn(usize) -> f64) -> Tuned {
+        TUNABLE.map(|name| ROWS.iter().position(|row| row.0 == name).map_or(0.0, &value))
+    }
+
+    /// Writes the tunable numbers into the configuration.
     pub(crate) fn tune(&self, tuned: &Tuned, config: &mut Config) {
-        for (tunable, value) in TUNABLE.iter().zip(tuned) {
-            let rows = self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable);
-            for ((_, start), (.., set)) in rows {
-                if value.to_bits() != start.to_bits() {
-                    set(config, *value);
-                }
+        for (name, value) in TUNABLE.iter().zip(tuned) {
+            if let Some((.., set)) = ROWS.iter().find(|row| row.0 == *name) {
+                set(config, *value);
             }
         }
     }
@@ -215,14 +236,20 @@ mod tests {
         let paper = Config::preset(controller::Preset::Paper);
         let mut config = paper.clone();
         settings.apply(&values, &mut config);
-        settings.tune(&settings.tuned(&values), &mut config);
+        settings.apply_tunable(&values, &mut config);
         assert_eq!(config, paper);
         for ((slot, start), (.., [_, max], get, _)) in settings.numbers.iter().zip(ROWS) {
             let value = if *start == 7.0 { 8.0 } else { max.min(7.0) };
             values.set_real(*slot, value);
             settings.apply(&values, &mut config);
-            settings.tune(&settings.tuned(&values), &mut config);
+            settings.apply_tunable(&values, &mut config);
             assert_eq!(get(&config), value);
         }
+        settings.publish(&config, &mut values);
+        assert_eq!(settings.tuned(&values), settings.tuned_in(&config));
+        let mut tuned = paper;
+        settings.apply(&values, &mut tuned);
+        settings.tune(&settings.tuned(&values), &mut tuned);
+        assert_eq!(tuned, config);
     }
 }

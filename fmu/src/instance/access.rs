@@ -117,6 +117,7 @@ impl<M: Model> Instance<M> {
         }
         for (reference, value) in references.iter().zip(values) {
             self.core.values.numbers[*reference as usize] = value.to_number();
+            self.core.given[*reference as usize] = value.to_number();
         }
         self.after_set(references);
         Ok(())

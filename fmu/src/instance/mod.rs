@@ -66,6 +66,22 @@ pub(crate) struct Core {
     pub(crate) time: f64,
     pub(crate) stop: Option<f64>,
     pub(crate) values: Values,
+    /// The numbers as the host set them: what a model is built from. In `values` it writes over
+    /// parameters what is in force.
+    pub(crate) given: Vec<f64>,
+}
+
+impl Core {
+    /// Before anything is set.
+    pub(crate) fn new(values: Values) -> Self {
+        let given = values.numbers.clone();
+        Self { phase: Phase::Instantiated, origin: 0.0, time: 0.0, stop: None, values, given }
+    }
+
+    /// The variables as the host set them.
+    pub(crate) fn as_given(&self) -> Values {
+        Values { numbers: self.given.clone(), texts: self.values.texts.clone() }
+    }
 }
 
 /// One instance.
@@ -86,10 +102,9 @@ pub(crate) struct Instance<M: Model> {
 
 impl<M: Model> Instance<M> {
     pub(crate) fn new(version: Version, resources: Option<PathBuf>, filter: Filter) -> Self {
-        let values = Values::start(&M::description().table);
         Self {
             version,
-            core: Core { phase: Phase::Instantiated, origin: 0.0, time: 0.0, stop: None, values },
+            core: Core::new(Values::start(&M::description().table)),
             model: None,
             resources,
             filter,
@@ -122,7 +137,7 @@ impl<M: Model> Instance<M> {
         if self.model.is_some() {
             return Ok(());
         }
-        let mut values = self.core.values.clone();
+        let mut values = self.core.as_given();
         self.model = Some(self.build(&mut values)?);
         self.core.values = values;
         Ok(())

@@ -1,6 +1,6 @@
 //! Life of an instance: initialise, step, terminate, reset.
 
-use super::{Instance, Phase, check_outputs};
+use super::{Core, Instance, Phase, check_outputs};
 use crate::model::{Io, Model, Step};
 use crate::status::Fault;
 use crate::values::Values;
@@ -57,9 +57,7 @@ impl<M: Model> Instance<M> {
 
     pub(crate) fn reset(&mut self, function: &str) -> Result<(), Fault> {
         self.allow(function, &Phase::ALL[..5])?;
-        self.core.phase = Phase::Instantiated;
-        (self.core.origin, self.core.time, self.core.stop) = (0.0, 0.0, None);
-        self.core.values = Values::start(&M::description().table);
+        self.core = Core::new(Values::start(&M::description().table));
         self.model = None;
         Ok(())
     }

@@ -17,7 +17,7 @@ pub(super) struct Snapshot<M: Model> {
 }
 
 const MAGIC: &[u8; 8] = b"LMPC-FMU";
-const FORMAT: u64 = 1;
+const FORMAT: u64 = 2;
 /// Magic, format, token hash, payload length, checksum.
 const HEADER: usize = 40;
 
@@ -51,11 +51,11 @@ impl<M: Model> Instance<M> {
             (self.core, self.model) = (snapshot.core.clone(), None);
             return Ok(());
         };
-        let reusable = self.core.phase != Phase::Failed && self.same_fixed(&snapshot.core.values);
+        let reusable = self.core.phase != Phase::Failed && self.same_fixed(&snapshot.core);
         match self.model.as_mut().filter(|_| reusable) {
             Some(model) => Self::guarded(function, || model.resume(state))?,
             None => {
-                let mut values = snapshot.core.values.clone();
+                let mut values = snapshot.core.as_given();
                 let mut model = self.build(&mut values)?;
                 Self::guarded(function, || model.resume(state))?;
                 self.model = Some(model);
@@ -66,12 +66,12 @@ impl<M: Model> Instance<M> {
     }
 
     /// Whether the present model was built from the same fixed parameters.
-    fn same_fixed(&self, values: &Values) -> bool {
-        let here = &self.core.values;
+    fn same_fixed(&self, there: &Core) -> bool {
+        let here = &self.core;
         let variables = M::description().table.variables().iter().enumerate();
         variables.filter(|(_, v)| v.role == Role::Fixed).all(|(i, _)| {
-            values.numbers[i].to_bits() == here.numbers[i].to_bits()
-                && values.texts[i] == here.texts[i]
+            there.given[i].to_bits() == here.given[i].to_bits()
+                && there.values.texts[i] == here.values.texts[i]
         })
     }
 
@@ -174,6 +174,7 @@ fn write<M: Model>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, Fault> {
     writer.u64(u64::from(core.stop.is_some()));
     writer.f64(core.stop.unwrap_or_default());
     writer.f64s(&core.values.numbers);
+    writer.f64s(&core.given);
     core.values.texts.iter().for_each(|text| writer.blob(text.as_bytes()));
     writer.u64(u64::from(snapshot.state.is_some()));
     if let Some(state) = &snapshot.state {
@@ -195,7 +196,9 @@ fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core, Option<&'
     let (origin, time) = (reader.f64()?, reader.f64()?);
     let (stops, stop) = (reader.u64()? != 0, reader.f64()?);
     let mut values = Values::start(table);
-    values.numbers = reader.f64s().filter(|n| n.len() == table.variables().len())?;
+    let complete = |n: &Vec<f64>| n.len() == table.variables().len();
+    values.numbers = reader.f64s().filter(complete)?;
+    let given = reader.f64s().filter(complete)?;
     for text in &mut values.texts {
         *text = String::from_utf8(reader.blob()?.to_vec()).ok()?;
     }
@@ -204,5 +207,5 @@ fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core, Option<&'
     if !reader.is_empty() || (phase == Phase::Stepping && state.is_none()) {
         return None;
     }
-    Some((Core { phase, origin, time, stop: stops.then_some(stop), values }, state))
+    Some((Core { phase, origin, time, stop: stops.then_some(stop), values, given }, state))
 }

@@ -1,4 +1,5 @@
-//! The car's parameters as FMU variables.
+//! The car's parameters as FMU variables: what is changed of them is changed of the chosen car, and
+//! after initialisation they read as the car that drives.
 
 use vehicle_model::CarParams;
 
@@ -147,9 +148,10 @@ const ROWS: &[Row] = &[
 /// Where the car's parameters are in the table.
 #[derive(Debug)]
 pub(crate) struct CarSlots {
-    numbers: Vec<Real>,
-    front_force_yaw: Boolean,
-    combined_slip: Boolean,
+    /// Each with its start value.
+    numbers: Vec<(Real, f64)>,
+    front_force_yaw: (Boolean, bool),
+    combined_slip: (Boolean, bool),
 }
 
 impl CarSlots {
@@ -157,18 +159,19 @@ impl CarSlots {
     pub(crate) fn new(table: &mut Table, start: Option<&CarParams>) -> Self {
         let numbers = ROWS.iter().map(|(name, unit, text, range, get, _)| {
             let name = format!("car.{name}");
-            let variable =
-                Variable::real(&name, Role::Fixed, *unit, text).start(start.map_or(0.0, get));
-            table.add_real(match range {
+            let number = start.map_or(0.0, get);
+            let variable = Variable::real(&name, Role::Fixed, *unit, text).start(number);
+            let slot = table.add_real(match range {
                 Range::NotNegative => variable.at_least(0.0),
                 Range::Share => variable.range(0.0, 1.0),
                 Range::Any => variable,
-            })
+            });
+            (slot, number)
         });
         let numbers = numbers.collect();
         let mut switch = |name: &str, on: bool, text: &str| {
             let variable = Variable::boolean(name, Role::Fixed, text);
-            table.add_boolean(variable.start(f64::from(u8::from(on))))
+            (table.add_boolean(variable.start(f64::from(u8::from(on)))), on)
         };
         let front_force_yaw = switch(
             "car.front_force_yaw",
@@ -183,15 +186,31 @@ impl CarSlots {
         Self { numbers, front_force_yaw, combined_slip }
     }
 
-    /// The car the parameters describe; what they do not name is as in `start`.
-    pub(crate) fn read(&self, values: &Values, start: &CarParams) -> CarParams {
-        let mut car = start.clone();
-        for (slot, (.., set)) in self.numbers.iter().zip(ROWS) {
-            set(&mut car, values.real(*slot));
+    /// A car with every parameter that is not at its start value; the start values are those of
+    /// the car everything starts from.
+    pub(crate) fn over(&self, values: &Values, mut car: CarParams) -> CarParams {
+        for ((slot, start), (.., set)) in self.numbers.iter().zip(ROWS) {
+            let value = values.real(*slot);
+            if value.to_bits() != start.to_bits() {
+                set(&mut car, value);
+            }
         }
-        car.front_force_yaw = values.boolean(self.front_force_yaw);
-        car.combined_slip = values.boolean(self.combined_slip);
+        let changed = |(slot, start): (Boolean, bool)| {
+            let on = values.boolean(slot);
+            (on != start).then_some(on)
+        };
+        car.front_force_yaw = changed(self.front_force_yaw).unwrap_or(car.front_force_yaw);
+        car.combined_slip = changed(self.combined_slip).unwrap_or(car.combined_slip);
         car
+    }
+
+    /// Writes a car's numbers over the variables.
+    pub(crate) fn publish(&self, car: &CarParams, values: &mut Values) {
+        for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
+            values.set_real(*slot, get(car));
+        }
+        values.set_boolean(self.front_force_yaw.0, car.front_force_yaw);
+        values.set_boolean(self.combined_slip.0, car.combined_slip);
     }
 }
 
@@ -202,11 +221,17 @@ mod tests {
     #[test]
     fn every_shipped_car_survives_the_way_through_the_table() {
         for name in CarParams::builtin_names() {
-            let car = CarParams::builtin(name).unwrap();
+            let (car, barc) =
+                (CarParams::builtin(name).unwrap(), CarParams::builtin("barc").unwrap());
             let mut table = Table::new();
-            let slots = CarSlots::new(&mut table, Some(&car));
-            let read = slots.read(&Values::start(&table), &CarParams::builtin("barc").unwrap());
-            assert_eq!(read.fingerprint(), car.fingerprint(), "{name}");
+            let slots = CarSlots::new(&mut table, Some(&barc));
+            let mut values = Values::start(&table);
+            let chosen = slots.over(&values, car.clone());
+            assert_eq!(chosen.fingerprint(), car.fingerprint(), "{name}: start values override");
+            slots.publish(&car, &mut values);
+            let rebuilt = slots.over(&values, barc.clone());
+            assert_eq!(rebuilt.fingerprint(), car.fingerprint(), "{name}");
+            assert_eq!(slots.over(&values, car.clone()).fingerprint(), car.fingerprint());
         }
     }
 }

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GripChange, Input, Plant, PlantParams, PlantState, SensorNoise, State};
 
+use crate::centre_line::CentreLine;
 use crate::description::{Description, Terminal};
 use crate::files;
 use crate::model::{Io, Model, Step};
@@ -31,7 +32,7 @@ pub struct VehicleFmu {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VehicleState {
     car: u64,
-    track: u64,
+    track: CentreLine,
     plant: PlantState,
     grip: [f64; 2],
     measured: State,
@@ -73,9 +74,10 @@ impl VehicleFmu {
     fn build(io: &Io<'_>) -> Result<Self, Fault> {
         let (slots, values) = (slots(), &*io.values);
         let car = match values.text(slots.car_name) {
-            "" => slots.car.read(values, &files::car(io, files::CAR)?),
+            "" => files::car(io, files::CAR)?,
             name => files::car(io, name)?,
         };
+        let car = slots.car.over(values, car);
         let mut params = PlantParams::new(car);
         params.substep = values.real(slots.substep);
         let [v_x, v_y, omega_z, e_psi, s, e_y] = array(values, &slots.noise);
@@ -156,6 +158,7 @@ impl Model for VehicleFmu {
         let mut model = Self::build(io)?;
         model.measured = model.plant.measure();
         model.publish(io.values);
+        slots().car.publish(&model.plant.params().car, io.values);
         let track = model.plant.track();
         io.log.event(format!("car on track '{}', {} m long", track.name(), track.length()));
         Ok(model)
@@ -181,7 +184,7 @@ impl Model for VehicleFmu {
     fn state(&self) -> VehicleState {
         VehicleState {
             car: self.plant.params().car.fingerprint(),
-            track: self.plant.track().fingerprint(),
+            track: CentreLine::of(self.plant.track()),
             plant: self.plant.state().clone(),
             grip: self.grip,
             measured: self.measured,
@@ -189,20 +192,17 @@ impl Model for VehicleFmu {
     }
 
     fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
-        let (car, track) =
-            (self.plant.params().car.fingerprint(), self.plant.track().fingerprint());
-        let other = if state.car != car {
-            "car"
-        } else if state.track != track {
-            "track"
-        } else {
-            // The grip of the last step; a later change in the values acts in the next one.
-            self.set_grip(state.grip)?;
-            self.plant.restore(state.plant.clone());
-            self.measured = state.measured;
-            return Ok(());
-        };
-        Err(Fault::Refused(format!("the {other} file holds another {other} than when saved")))
+        state.track.check(self.plant.track())?;
+        if state.car != self.plant.params().car.fingerprint() {
+            return Err(Fault::Refused(
+                "the state is of another car than this instance's (param.car, car.*)".to_owned(),
+            ));
+        }
+        // The grip of the last step; a later change in the values acts in the next one.
+        self.set_grip(state.grip)?;
+        self.plant.restore(state.plant.clone());
+        self.measured = state.measured;
+        Ok(())
     }
 
     fn save(state: &VehicleState) -> Result<Vec<u8>, Fault> {

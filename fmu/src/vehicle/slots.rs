@@ -83,21 +83,19 @@ impl Slots {
     pub(crate) fn new(t: &mut Table) -> Self {
         // The shipped car always reads; were it broken, all would be 0 and refused at the start.
         let car = CarParams::builtin(CAR).ok();
-        let limit = |get: fn(&CarParams) -> f64| car.as_ref().map_or(0.0, get);
         let command = [
-            t.add_real(
-                Variable::real("cmd.a", Role::Input, unit::M_PER_S2, "Commanded acceleration")
-                    .range(limit(|c| c.a_min), limit(|c| c.a_max)),
-            ),
-            t.add_real(
-                Variable::real(
-                    "cmd.delta",
-                    Role::Input,
-                    unit::RAD,
-                    "Commanded steering, left positive",
-                )
-                .range(-limit(|c| c.delta_max), limit(|c| c.delta_max)),
-            ),
+            t.add_real(Variable::real(
+                "cmd.a",
+                Role::Input,
+                unit::M_PER_S2,
+                "Commanded acceleration; acts within car.a_min and car.a_max",
+            )),
+            t.add_real(Variable::real(
+                "cmd.delta",
+                Role::Input,
+                unit::RAD,
+                "Commanded steering, left positive; acts within car.delta_max on each side",
+            )),
         ];
         let track = t.add_text(Variable::text(
             "param.track",
@@ -109,7 +107,7 @@ impl Slots {
             "param.car",
             Role::Fixed,
             "",
-            "Car: a name that ships (barc, iac, kart, mini) or a file; empty: the car.* values",
+            "Car: a name that ships (barc, iac, kart, mini) or a file; empty: barc. A car.* value other than its start value changes it",
         ));
         let substep = t.add_real(
             Variable::real("param.substep", Role::Fixed, unit::S, "Longest integration step")

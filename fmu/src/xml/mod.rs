@@ -5,35 +5,41 @@ pub(crate) mod fmi3;
 pub(crate) mod terminals;
 mod writer;
 
-pub(crate) use writer::{Xml, number};
+pub(crate) use writer::{Attribute, Xml, number};
 
 use std::collections::BTreeMap;
 
 use crate::description::Description;
 use crate::log::CATEGORIES;
 use crate::unit::Unit;
-use crate::variable::Role;
+use crate::variable::{Role, Variable};
 
-/// Units used by the table, by name.
-fn units(description: &Description) -> BTreeMap<&'static str, Unit> {
-    let variables = description.table.variables().iter();
+/// Units of variables, by name.
+pub(crate) fn units<'a>(
+    variables: impl Iterator<Item = &'a Variable>,
+) -> BTreeMap<&'static str, Unit> {
     variables.filter_map(|v| v.unit).map(|u| (u.name, u)).collect()
+}
+
+/// What a unit is made of; FMI and SSP name it alike.
+pub(crate) fn base_unit(unit: &Unit) -> Vec<Attribute> {
+    let mut attributes = Vec::new();
+    for (name, exponent) in [("kg", unit.kg), ("m", unit.m), ("s", unit.s), ("rad", unit.rad)] {
+        if exponent != 0 {
+            attributes.push((name, exponent.to_string()));
+        }
+    }
+    if unit.factor != 1.0 {
+        attributes.push(("factor", number(unit.factor)));
+    }
+    attributes
 }
 
 fn unit_definitions(xml: &mut Xml, description: &Description) {
     xml.open("UnitDefinitions", &[]);
-    for unit in units(description).values() {
+    for unit in units(description.table.variables().iter()).values() {
         xml.open("Unit", &[("name", unit.name.to_owned())]);
-        let mut attributes = Vec::new();
-        for (name, exponent) in [("kg", unit.kg), ("m", unit.m), ("s", unit.s), ("rad", unit.rad)] {
-            if exponent != 0 {
-                attributes.push((name, exponent.to_string()));
-            }
-        }
-        if unit.factor != 1.0 {
-            attributes.push(("factor", number(unit.factor)));
-        }
-        xml.leaf("BaseUnit", &attributes);
+        xml.leaf("BaseUnit", &base_unit(unit));
         xml.close("Unit");
     }
     xml.close("UnitDefinitions");

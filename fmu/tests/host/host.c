@@ -1,7 +1,9 @@
 /* A plain C importer for tests: loads a library, runs FMI 3.0 and FMI 2.0 instances, frees all,
  * as often as asked. Runs natively (also under Valgrind) and, cross-built, under wine.
  *
- * usage: host <library> <token> <cycles> <steps> <value reference to print>
+ * usage: host <library> <token> <cycles> <steps> <value reference to print> [<KiB>]
+ *
+ * With a last number the process must grow by less than that per cycle, from the tenth on.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,14 +13,28 @@
 
 #ifdef _WIN32
 #include <windows.h>
+#include <psapi.h>
 static void *open_library(const char *p) { return (void *)LoadLibraryA(p); }
 static void *symbol(void *l, const char *n) { return (void *)GetProcAddress((HMODULE)l, n); }
 static void close_library(void *l) { FreeLibrary((HMODULE)l); }
+static double used_kib(void) {
+    PROCESS_MEMORY_COUNTERS counters;
+    if (!GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters)) return 0;
+    return (double)counters.PagefileUsage / 1024;
+}
 #else
 #include <dlfcn.h>
 static void *open_library(const char *p) { return dlopen(p, RTLD_NOW | RTLD_LOCAL); }
 static void *symbol(void *l, const char *n) { return dlsym(l, n); }
 static void close_library(void *l) { dlclose(l); }
+static double used_kib(void) {
+    long pages = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (!file) return 0;
+    if (fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
+    fclose(file);
+    return (double)resident * 4;
+}
 #endif
 
 #define PERIOD 0.1
@@ -114,13 +130,15 @@ static double run2(void *lib, const char *token, int steps, uint32_t vr) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 6) {
-        fprintf(stderr, "usage: %s <library> <token> <cycles> <steps> <reference>\n", argv[0]);
+    if (argc != 6 && argc != 7) {
+        fprintf(stderr, "usage: %s <library> <token> <cycles> <steps> <reference> [<KiB>]\n", argv[0]);
         return 2;
     }
     int cycles = atoi(argv[3]), steps = atoi(argv[4]);
     uint32_t vr = (uint32_t)atoi(argv[5]);
+    double before = 0;
     for (int cycle = 0; cycle < cycles; cycle++) {
+        if (cycle == 10) before = used_kib();
         void *lib = open_library(argv[1]);
         if (!lib) {
             fprintf(stderr, "cannot load %s\n", argv[1]);
@@ -129,6 +147,11 @@ int main(int argc, char **argv) {
         double three = run3(lib, argv[2], steps, vr), two = run2(lib, argv[2], steps, vr);
         if (cycle == cycles - 1) printf("%.17g %.17g\n", two, three);
         close_library(lib);
+    }
+    if (argc == 7) {
+        double growth = (used_kib() - before) / (cycles - 10);
+        printf("%s: %.1f KiB more after each of %d cycles\n", argv[1], growth, cycles);
+        if (growth >= atof(argv[6])) return 1;
     }
     return 0;
 }
