@@ -294,3 +294,62 @@ fn twenty_instances_on_twenty_threads_drive_as_one_alone() {
         }
     });
 }
+
+fn read(fmu: &Fmu, name: &str) -> f64 {
+    let mut value = f64::NAN;
+    // SAFETY: one reference, one value.
+    assert_eq!(unsafe { c::fmi2GetReal(fmu.0, &reference(name), 1, &mut value) }, 0);
+    value
+}
+
+#[test]
+fn parameters_read_as_what_is_in_force() {
+    let fmu = Fmu::with(&[("param.car", "iac"), ("param.track", "road_course")]);
+    let iac = Config::from_toml(Config::of_car("iac").unwrap()).unwrap();
+    assert_eq!(read(&fmu, "param.horizon"), iac.horizon.steps as f64);
+    assert_eq!(read(&fmu, "param.regression.ridge"), iac.regression.ridge);
+    assert_eq!(read(&fmu, "param.cost.control_rate"), iac.cost.control_rate);
+    assert_eq!(read(&fmu, "param.warm_up.laps"), WARM_UP_LAPS as f64);
+    assert_eq!(read(&fmu, "param.nominal_mu"), CarParams::builtin("iac").unwrap().tyre_front.mu);
+}
+
+#[test]
+fn a_step_that_does_not_divide_the_period_warns_once_and_single_precision_is_no_difference() {
+    let fmu = Fmu::ready();
+    // SAFETY: no pointers but the handle.
+    let step = |begin: f64, size: f64| unsafe { c::fmi2DoStep(fmu.0, begin, size, 1) };
+    let single = f64::from(0.1_f32);
+    assert_eq!([step(0.0, single), step(single, single)], [0, 0]);
+    let (begin, size) = (2.0 * single, 0.03);
+    let later = [0.0, 1.0, 2.0].map(|k| step(begin + k * size, size));
+    assert_eq!(later, [1, 0, 0]);
+}
+
+/// A host that traps on division by zero must not find one where none is needed.
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn initialisation_divides_nothing_by_zero() {
+    const DIVISION: u32 = 1 << 2;
+    let flags = |clear: bool| {
+        let (mut state, start) = (0_u32, 0x1f80_u32);
+        // SAFETY: stores and loads the SSE control register; the value is its default.
+        unsafe {
+            std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut state);
+            if clear {
+                std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const start);
+            }
+        }
+        state
+    };
+    for (car, track) in [("barc", "l"), ("kart", "road_course"), ("iac", "road_course")] {
+        let (car, track) = (CarParams::builtin(car).unwrap(), Track::builtin(track).unwrap());
+        let track = Arc::new(track);
+        flags(true);
+        let config = Config::preset(controller::Preset::Race);
+        Controller::new(config, car.clone(), Arc::clone(&track)).unwrap();
+        assert_eq!(flags(true) & DIVISION, 0, "controller, {}", track.name());
+        let start = State { v_x: 1.2, ..State::default() };
+        Plant::new(PlantParams::new(car), track, start).unwrap();
+        assert_eq!(flags(true) & DIVISION, 0, "plant");
+    }
+}

@@ -1,9 +1,10 @@
 //! The vehicle FMU over its C interface against the plant called directly, bit for bit.
 #![allow(clippy::unwrap_used, clippy::panic, unsafe_code)]
 
-use std::ffi::{CString, c_void};
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::path::Path;
 use std::ptr::{null, null_mut};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use fmu_core::{Model, VehicleFmu};
 use vehicle_model::{CarParams, GripChange, Input, Plant, PlantParams, State, Track};
@@ -43,6 +44,10 @@ impl Car {
     }
 
     fn bare() -> Self {
+        Self::logged(None)
+    }
+
+    fn logged(log: Option<fmu_core::c::Logger3>) -> Self {
         let token = CString::new(VehicleFmu::description().token()).unwrap();
         // SAFETY: strings end with a zero byte.
         let handle = unsafe {
@@ -57,7 +62,7 @@ impl Car {
                 null(),
                 0,
                 null_mut(),
-                None,
+                log,
                 null_mut(),
             )
         };
@@ -224,5 +229,60 @@ fn wrong_parameters_are_refused_at_the_end_of_initialisation() {
     }
     for name in CarParams::builtin_names() {
         assert_eq!(Car::new(&[], &[], &[("param.car", name)]).initialize(), 0, "{name}");
+    }
+}
+
+static LOG: Mutex<String> = Mutex::new(String::new());
+
+// SAFETY: the strings of the call end with a zero byte.
+unsafe extern "C" fn log(_: *mut c_void, _: i32, _: *const c_char, message: *const c_char) {
+    // SAFETY: as above.
+    *LOG.lock().unwrap() = unsafe { CStr::from_ptr(message) }.to_str().unwrap().to_owned();
+}
+
+#[test]
+fn parameters_change_the_chosen_car_and_read_as_what_is_in_force() {
+    let kart = CarParams::builtin("kart").unwrap();
+    let car = Car::new(&[("car.mass", 123.0)], &[], &[("param.car", "kart")]);
+    // Read during initialisation: a later choice must not inherit what was in force then.
+    // SAFETY: no pointers but the handle.
+    assert_eq!(unsafe { c::fmi3EnterInitializationMode(car.0, 0, 0.0, 0.0, 0, 0.0) }, 0);
+    assert_eq!(car.get("truth.v_y"), 0.0);
+    assert_eq!(car.get("car.delta_max"), kart.delta_max);
+    let iac = CarParams::builtin("iac").unwrap();
+    // SAFETY: one reference, one text.
+    unsafe {
+        let name = reference("param.car");
+        assert_eq!(c::fmi3SetString(car.0, &name, 1, &c"iac".as_ptr(), 1), 0);
+        assert_eq!(c::fmi3ExitInitializationMode(car.0), 0);
+    }
+    assert_eq!(car.get("car.mass"), 123.0);
+    assert_eq!(car.get("car.inertia_z"), iac.inertia_z);
+    assert_eq!([car.get("car.a_min"), car.get("car.delta_max")], [iac.a_min, iac.delta_max]);
+}
+
+/// The state holds the parameters, so only what stands behind a file's name can be another track.
+#[test]
+fn a_state_of_another_centre_line_is_refused_with_both_lengths() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("track.toml");
+    let tracks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tracks");
+    std::fs::copy(tracks.join("l.toml"), &file).unwrap();
+    let text = CString::new(file.to_str().unwrap()).unwrap();
+    let car = |log| {
+        let car = Car::logged(log);
+        // SAFETY: one reference, one text.
+        let status =
+            unsafe { c::fmi3SetString(car.0, &reference("param.track"), 1, &text.as_ptr(), 1) };
+        assert_eq!([status, car.initialize()], [0, 0]);
+        car
+    };
+    let bytes = car(None).serialized();
+    std::fs::copy(tracks.join("road_course.toml"), &file).unwrap();
+    assert_eq!(car(Some(log)).restore(&bytes), 3);
+    let message = LOG.lock().unwrap().clone();
+    for track in ["l", "road_course"] {
+        let length = Track::builtin(track).unwrap().length().to_string();
+        assert!(message.contains(&length), "{message}: no {length}");
     }
 }
