@@ -1,5 +1,6 @@
 //! Answers the linker's search for liblcm, which the program loads itself when a URL needs it
-//! (`src/transport/liblcm_loaded.rs`): an empty archive of that name.
+//! (`src/transport/liblcm_loaded.rs`): an empty archive, and for linkers that look for a shared
+//! library alone a script that names it.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ fn main() -> std::io::Result<()> {
         return Err(std::io::Error::other("cargo sets OUT_DIR"));
     };
     std::fs::write(folder.join("liblcm.a"), b"!<arch>\n")?;
+    std::fs::write(folder.join("liblcm.so"), b"INPUT ( liblcm.a )\n")?;
     println!("cargo::rustc-link-search=native={}", folder.display());
     Ok(())
 }
