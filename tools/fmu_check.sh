@@ -26,10 +26,30 @@ for version in 2 3; do
 done
 xmllint --noout --schema "$package/schema/fmi3/fmi3TerminalsAndIcons.xsd" \
     "$work/x/terminalsAndIcons/terminalsAndIcons.xml"
-for ssp in "$fmus/lmpc-race.ssp" "$fmus/fmi3/lmpc-race.ssp"; do
+ssp_schemas=$("$tools/ssp/bin/python" -c 'import pyssp_standard, os; print(os.path.dirname(pyssp_standard.__file__))')/resources
+for ssp in "$fmus/lmpc-race.ssp" "$fmus/fmi3/lmpc-race.ssp" "$fmus/ssp2/lmpc-race.ssp"; do
+    rm -rf "$work/x" && mkdir "$work/x"
     "$python" -m zipfile -e "$ssp" "$work/x"
-    xmllint --noout --schema "$package/ssp/schema/SystemStructureDescription.xsd" \
-        "$work/x/SystemStructure.ssd"
+    schemas=$ssp_schemas
+    case $ssp in */ssp2/*) schemas=$ssp_schemas/ssp2 ;; esac
+    xmllint --noout --schema "$schemas/SystemStructureDescription.xsd" "$work/x/SystemStructure.ssd"
+    for set in "$work"/x/resources/*.ssv; do
+        xmllint --noout --schema "$schemas/SystemStructureParameterValues.xsd" "$set"
+    done
+    # What OMSimulator 3 demands: identifiers as names of systems and components.
+    if grep -oE '<ssd:(SystemStructureDescription|System|Component)[^>]* name="[^"]*"' "$work/x/SystemStructure.ssd" |
+        sed 's/.* name="//; s/"$//' | grep -vE '^[A-Za-z_][A-Za-z0-9_]*$'; then
+        echo "$ssp: a name that is no identifier" >&2
+        exit 1
+    fi
+done
+for version in 2 3; do
+    for name in controller vehicle; do
+        fmu=$fmus/fmi$version/lmpc-$name.fmu
+        "$tools/toolbox/bin/fmutool" -input "$fmu" -check > "$work/toolbox.log" 2>&1
+        grep "No semantic error against the FMI-$version" "$work/toolbox.log" ||
+            { cat "$work/toolbox.log" >&2; exit 1; }
+    done
 done
 
 echo "== against lmpc race"
@@ -80,6 +100,10 @@ for c in 2 3; do
     race "$one" "PathSim, FMI $c" "$pathsim" examples/fmu/race_pathsim.py --fmus "$fmus" --fmi $c
     race "$all" "Ecos, FMI $c" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c
     race "$all" "Ecos, FMI $c, SSP" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c --ssp
+done
+for c in 2 3; do
+    race "CoFMUPy's Jacobi loop, 0.01 s" "CoFMUPy, FMI $c" \
+        "$tools/cofmupy/bin/python" examples/fmu/race_cofmupy.py --fmus "$fmus" --fmi $c
 done
 race "$all" "libcosim, FMI 2" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus"
 race "$all" "libcosim, FMI 2, SSP" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus" --ssp

@@ -74,6 +74,19 @@ for version in 2 3; do
     same "FMI $version, a thread of $stack_kib KiB" "$(native $version $steps nearest 0 $stack_kib)"
 done
 
+echo "== the static library: as the FMU, and its example"
+link="-L$x64 -llmpc_c -lgcc_eh -lpthread -ldl -lm"
+# shellcheck disable=SC2086 # one word per argument
+gcc -O1 -DSTATIC_CONTROLLER -Ifmu/capi -o "$work/race-static" fmu/tests/host/race.c $link
+for state in nearest up trap flush; do
+    same "static library, host state '$state'" "$("$work/race-static" - "$x64/liblmpc_vehicle.so" \
+        "$work/references" 2 $steps $state 0)"
+done
+# shellcheck disable=SC2086
+gcc -O1 -Wall -Wextra -Ifmu/capi -o "$work/example" fmu/capi/example.c $link
+valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
+    "$work/example"
+
 echo "== loaded, run and freed"
 for name in vehicle controller; do
     xml=$(unzip -p "$fmus/fmi2/lmpc-$name.fmu" modelDescription.xml)
