@@ -52,6 +52,9 @@ for version in 2 3; do
     done
 done
 
+echo "== what they ship to be tried with"
+"$python" fmu/tests/smoke_test.py "$fmus"
+
 echo "== against lmpc race"
 cargo run --quiet --release -p vehicle_bridge --bin lmpc -- \
     --quiet race --seed 0 --laps 5 --out "$work/race" > /dev/null

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::controller::ControllerFmu;
 use crate::description::{Description, Version};
 use crate::model::Model;
-use crate::pack::{Binary, PackError, Platform, pack, write_zip};
+use crate::pack::{Binary, PackError, Platform, pack_with, write_zip};
+use crate::related::{Related, related};
 use crate::system::{self, Ssp};
 use crate::vehicle::VehicleFmu;
 
@@ -51,10 +52,12 @@ pub fn models() -> [(&'static str, &'static Description); 2] {
 /// [`PackError`] if a library is missing or a file cannot be written.
 pub fn ship(libraries: &[Libraries], out: &Path) -> Result<Vec<PathBuf>, PackError> {
     let mut written = Vec::new();
+    let Related { controller, vehicle } = related()?;
     for (version, folder) in [(Version::Fmi2, "fmi2"), (Version::Fmi3, "fmi3")] {
-        for (file, description) in models() {
+        for ((file, description), further) in models().into_iter().zip([&controller, &vehicle]) {
             let path = out.join(folder).join(file);
-            pack(description, version, &binaries(libraries, description, version), &path)?;
+            let libraries = binaries(libraries, description, version);
+            pack_with(description, version, &libraries, further, &path)?;
             written.push(path);
         }
     }

@@ -7,7 +7,7 @@ mod parameters;
 mod ssd;
 
 pub(crate) use osp::osp_structure;
-pub(crate) use parameters::{CARS, parameter_set};
+pub(crate) use parameters::{CARS, controller_parameters, parameter_set, vehicle_parameters};
 pub(crate) use ssd::{Ssp, ssd};
 
 use crate::controller::ControllerFmu;

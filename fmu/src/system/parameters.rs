@@ -43,20 +43,39 @@ fn settings(car: &str) -> Config {
 /// `<car>.ssv`: what both FMUs need to be told for a car, named as in the wired system.
 pub(crate) fn parameter_set(ssp: Ssp, car: &str, track: &str) -> String {
     let [controller, vehicle] = NAMES;
-    let text =
-        |of: &str, name: &str, text: &str| (format!("{of}.{name}"), Value::Text(text.to_owned()));
+    let named = |of: &str, values: Vec<(String, Value)>| {
+        values.into_iter().map(|(name, value)| (format!("{of}.{name}"), value)).collect::<Vec<_>>()
+    };
+    let values = [named(controller, names(car, track)), named(vehicle, of_vehicle(car, track))];
+    document(ssp, car, &values.concat())
+}
+
+/// The parameter set of a car for the controller alone.
+pub(crate) fn controller_parameters(ssp: Ssp, car: &str, track: &str) -> String {
+    document(ssp, car, &names(car, track))
+}
+
+/// The parameter set of a car for the vehicle alone.
+pub(crate) fn vehicle_parameters(ssp: Ssp, car: &str, track: &str) -> String {
+    document(ssp, car, &of_vehicle(car, track))
+}
+
+fn names(car: &str, track: &str) -> Vec<(String, Value)> {
+    let text = |name: &str, text: &str| (name.to_owned(), Value::Text(text.to_owned()));
+    vec![text("param.car", car), text("param.track", track)]
+}
+
+/// With the speed at which the controller drives its initial laps.
+fn of_vehicle(car: &str, track: &str) -> Vec<(String, Value)> {
     let speed = Value::Number(settings(car).warm_up.speed);
-    let values = [
-        text(controller, "param.car", car),
-        text(controller, "param.track", track),
-        text(vehicle, "param.car", car),
-        text(vehicle, "param.track", track),
-        (format!("{vehicle}.initial.v_x"), speed),
-    ];
+    [names(car, track), vec![("initial.v_x".to_owned(), speed)]].concat()
+}
+
+fn document(ssp: Ssp, name: &str, values: &[(String, Value)]) -> String {
     let mut xml = Xml::new();
     let space = ("xmlns:ssv", ssp.namespace("ParameterValues"));
     let common = ("xmlns:ssc", ssp.namespace("Common"));
-    write(&mut xml, ssp, &[space, common], car, &values);
+    write(&mut xml, ssp, &[space, common], name, values);
     xml.finish()
 }
 
