@@ -60,12 +60,17 @@ pub(super) fn buffer(url: &str) -> Finding {
     }
 }
 
-/// The version of liblcm that this process runs with, told by the file it was loaded from.
+/// The version of liblcm that a URL other than `udpm://` would get, by the file it is loaded from.
 pub(super) fn liblcm() -> Finding {
     const SUBJECT: &str = "liblcm";
     if !cfg!(feature = "liblcm") {
         let found = "not built in: only udpm:// works";
-        return Finding::warn(SUBJECT, found, "build with --features liblcm (needs liblcm-dev)");
+        return Finding::warn(SUBJECT, found, "build with --features liblcm");
+    }
+    #[cfg(feature = "liblcm")]
+    if let Err(e) = crate::transport::liblcm::available() {
+        let found = format!("not found: only udpm:// works ({e})");
+        return Finding::warn(SUBJECT, found, "apt-get install liblcm1");
     }
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let file = maps.split_whitespace().find(|word| word.contains("liblcm.so"));
