@@ -4,6 +4,7 @@
 //! `lmpc` is a thin binary over this library: [`cli`] defines the command line, [`commands`] run
 //! it, [`race`], [`study`] and [`network`] do the work, [`page`] and [`report`] draw it.
 
+pub mod auth;
 pub mod bench;
 pub mod check;
 pub mod cli;

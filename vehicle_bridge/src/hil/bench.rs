@@ -91,6 +91,10 @@ pub struct Scenario {
     /// Whether the operator holds a dead man's switch.
     #[serde(default)]
     pub deadman: bool,
+    /// Whether the network has a key, `{dir}/key`: the harness signs, and its processes do with
+    /// `--key {dir}/key`.
+    #[serde(default)]
+    pub key: bool,
     /// Processes to start, by name, in this order.
     #[serde(default)]
     pub processes: Vec<String>,
@@ -121,9 +125,11 @@ pub struct Scenario {
 }
 
 /// When faults begin: every condition given has to hold.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct When {
+    /// Instead of all others: the car side refuses an order, with this in its words.
+    pub refused: Option<String>,
     /// Time since the first command was applied, and up to 0.1 s more by the seed. \[s\]
     pub driving_s: f64,
     /// Speed. \[m/s\]

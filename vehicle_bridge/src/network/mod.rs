@@ -6,6 +6,7 @@
 //! [`convert`] and [`telemetry`] alone know how messages and the controller's types correspond.
 
 mod account;
+pub mod blackbox;
 pub mod bridge;
 mod bridge_run;
 pub mod car;
@@ -29,3 +30,4 @@ pub mod service;
 pub mod side;
 pub mod store;
 pub mod telemetry;
+pub mod watchdog;
