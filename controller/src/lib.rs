@@ -32,7 +32,6 @@ mod presets;
 mod snapshot;
 mod status;
 mod store;
-mod tracking;
 
 pub use affine::Affine;
 pub use config::Config;
@@ -47,4 +46,3 @@ pub use status::{
     Status,
 };
 pub use store::Learned;
-pub use tracking::Tracker;

@@ -31,6 +31,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod arrival;
 pub mod channels;
 pub mod crc;
 mod error;
@@ -43,6 +44,7 @@ pub mod signature;
 pub mod value;
 pub mod wire;
 
+pub use arrival::Arrival;
 pub use error::Error;
 pub use message::{Checked, Message};
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::Finding;
-use crate::transport::{self, Filter, Inbox, Url};
+use transport::{Filter, Inbox, Url};
 
 /// What a receive buffer should hold: a burst of telemetry. \[B\]
 const BUFFER: u64 = 4 << 20;
@@ -86,7 +86,7 @@ pub(super) fn liblcm() -> Finding {
         return Finding::warn(SUBJECT, found, "build with --features liblcm");
     }
     #[cfg(feature = "liblcm")]
-    if let Err(e) = crate::transport::liblcm::available() {
+    if let Err(e) = transport::liblcm::available() {
         let found = format!("not found: only udpm:// works ({e})");
         return Finding::warn(SUBJECT, found, "apt-get install liblcm1");
     }
