@@ -152,7 +152,8 @@ fn drive_as(
     drive
 }
 
-fn stopped_by(fault: Fault, what: &[Suspicion], most_s: f64) {
+/// How far the body was beyond the edge, at most. \[m\]
+fn stopped_by(fault: Fault, what: &[Suspicion], most_s: f64) -> f64 {
     let (mut slowest, mut farthest, mut level) = (0.0_f64, f64::MIN, 0.0_f64);
     for (seed, s) in (0..10).map(|i| (i, 4.0 + 1.7 * i as f64)) {
         for speed in [2.0, 3.0] {
@@ -171,6 +172,7 @@ fn stopped_by(fault: Fault, what: &[Suspicion], most_s: f64) {
             "{fault:?}: stopped within {slowest:.2} s, body at most {farthest:.2} m out; level before {level:.2}"
         );
     }
+    farthest
 }
 
 #[test]
@@ -219,9 +221,10 @@ fn lies_about_the_position_are_found() {
 #[test]
 fn faults_of_the_actuators_are_found() {
     use Suspicion::{Drive, OffTrack, Steering};
-    stopped_by(Fault::SteeringStuck, &[Steering, OffTrack], 3.0);
-    stopped_by(Fault::SteeringBias(0.15), &[Steering, OffTrack], 3.0);
-    stopped_by(Fault::ThrottleStuck, &[Drive, OffTrack], 12.0);
+    // From 3 m/s the brakes take 2.25 m.
+    assert!(stopped_by(Fault::SteeringStuck, &[Steering, OffTrack], 3.0) < 1.75);
+    assert!(stopped_by(Fault::SteeringBias(0.15), &[Steering, OffTrack], 3.0) < 0.75);
+    assert!(stopped_by(Fault::ThrottleStuck, &[Drive, OffTrack], 12.0) < 0.1);
 }
 
 #[test]
