@@ -19,7 +19,7 @@ use crate::xml::{Xml, number};
 const STEP: f64 = 0.1;
 /// Steps of the smoke test: one initial lap of the small car is 142.
 const SMOKE: usize = 150;
-/// Steps after which the controller's state is kept: five learned laps and more.
+/// Steps after which the controller's state is kept: the initial laps and learned ones.
 const LEARNED: usize = 900;
 
 const STATE: [&str; 6] =
