@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast book doc fmu fmu-test fmu-bits fmu-old lint bench clean
+.PHONY: race test test-fast book doc fmu fmu-test fmu-bits fmu-old release lint bench clean
 
 race:
 	tools/setup.sh race
@@ -58,6 +58,11 @@ fmu-test: fmu
 fmu-old: fmu
 	tools/setup.sh fmu-old
 	tools/fmu_old.sh
+
+# The program for Linux (x64 and ARM64, glibc 2.17 or newer), in out/release; starts without liblcm.
+release:
+	tools/setup.sh race fmu
+	tools/release.sh
 
 lint:
 	cargo fmt --check

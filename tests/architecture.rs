@@ -93,17 +93,19 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "clarabel crc32fast libm nalgebra postcard pulp rand rand_pcg serde thiserror toml vehicle_model",
     ),
     ("fmu", "atomic_file controller postcard roxmltree serde thiserror vehicle_model zip"),
+    ("fmu/capi", "controller crc32fast fmu_core postcard vehicle_model"),
     ("fmu/controller", "fmu_core"),
     ("fmu/vehicle", "fmu_core"),
     ("lcm_types", "crc32fast thiserror"),
     (
         "vehicle_bridge",
-        "anstream anstyle anyhow clap clap_complete comfy-table controller fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anstyle anyhow auth clap clap_complete comfy-table controller fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
+    ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
     (
         "vehicle_bridge/hil_bench",
-        "anyhow controller hosting lcm_types nix protocol rand rand_distr rand_pcg serde serde_json socket2 svg_page transport vehicle_model",
+        "anyhow auth controller hosting lcm_types nix protocol rand rand_distr rand_pcg serde serde_json socket2 svg_page transport vehicle_host vehicle_model",
     ),
     (
         "vehicle_bridge/hosting",
@@ -125,7 +127,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/safety", "lcm_types thiserror vehicle_model"),
     (
         "vehicle_bridge/services",
-        "anyhow controller hosting lcm_types mapping protocol safety toml transport vehicle_host vehicle_model",
+        "anyhow auth controller hosting lcm_types mapping nix protocol safety sd-notify toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/step_timing", "controller hosting nix serde thiserror vehicle_model"),
     (
@@ -133,7 +135,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "anyhow comfy-table controller csv hosting racing serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
-    ("vehicle_bridge/transport", "anyhow lcm lcm_types nix socket2 thiserror"),
+    ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),
     (
         "vehicle_bridge/vehicle_host",
         "fmi fmu_core libloading log roxmltree serde tempfile thiserror toml vehicle_model zip",

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds the FMUs' shared libraries into target/fmu/lib: stripped, without paths of this machine,
+# Builds the FMUs' shared libraries, and the controller as a static library with its header, into
+# target/fmu/lib: stripped, without paths of this machine,
 # and on Linux for glibc 2.17 (2012), with libc and its parts as all they need.
 # Targets are arguments: x64, arm64, windows; default: all three.
 set -eu
@@ -16,7 +17,7 @@ out=$(cd "$out" && pwd)
 
 build() { # target, cargo's subcommand and its target, link-time optimisation
     CARGO_PROFILE_FMU_LTO=$4 RUSTFLAGS="$remap" cargo "$2" --quiet --profile fmu --target "$3" \
-        --target-dir "$out/build" -p lmpc_vehicle -p lmpc_controller
+        --target-dir "$out/build" -p lmpc_vehicle -p lmpc_controller -p lmpc_c
     mkdir -p "$out/lib/$1"
     for name in lmpc_vehicle lmpc_controller; do
         for file in "lib$name.so" "$name.dll"; do
@@ -24,6 +25,7 @@ build() { # target, cargo's subcommand and its target, link-time optimisation
             [ ! -f "$built" ] || cp "$built" "$out/lib/$1/"
         done
     done
+    cp "$out/build/$1/fmu/liblmpc_c.a" fmu/capi/lmpc.h "$out/lib/$1/"
 }
 
 for platform in ${*:-x64 arm64 windows}; do

@@ -26,14 +26,32 @@ for version in 2 3; do
 done
 xmllint --noout --schema "$package/schema/fmi3/fmi3TerminalsAndIcons.xsd" \
     "$work/x/terminalsAndIcons/terminalsAndIcons.xml"
-for ssp in "$fmus/lmpc-race.ssp" "$fmus/fmi3/lmpc-race.ssp"; do
+ssp=$("$tools/ssp/bin/python" -c 'import pyssp_standard, os; print(os.path.dirname(pyssp_standard.__file__))')/resources
+for system in lmpc-race.ssp fmi3/lmpc-race.ssp ssp2/lmpc-race.ssp; do
     rm -rf "$work/x" && mkdir "$work/x"
-    "$python" -m zipfile -e "$ssp" "$work/x"
-    xmllint --noout --schema "$package/ssp/schema/SystemStructureDescription.xsd" \
-        "$work/x/SystemStructure.ssd"
-    xmllint --noout --schema "$package/ssp/schema/SystemStructureParameterValues.xsd" \
-        "$work"/x/resources/*.ssv
+    "$python" -m zipfile -e "$fmus/$system" "$work/x"
+    schemas=$ssp
+    [ $system != ssp2/lmpc-race.ssp ] || schemas=$ssp/ssp2
+    xmllint --noout --schema "$schemas/SystemStructureDescription.xsd" "$work/x/SystemStructure.ssd"
+    xmllint --noout --schema "$schemas/SystemStructureParameterValues.xsd" "$work"/x/resources/*.ssv
+    # OMSimulator 3 demands identifiers as names of systems and components.
+    if grep -oE '<ssd:(SystemStructureDescription|System|Component)[^>]* name="[^"]*"' \
+        "$work/x/SystemStructure.ssd" | sed 's/.* name="//; s/"$//' | grep -vE '^[A-Za-z_][A-Za-z0-9_]*$'; then
+        echo "$system: a name that is no identifier" >&2
+        exit 1
+    fi
 done
+for version in 2 3; do
+    for name in controller vehicle; do
+        "$tools/toolbox/bin/fmutool" -input "$fmus/fmi$version/lmpc-$name.fmu" -check \
+            > "$work/toolbox.log" 2>&1
+        grep "No semantic error against the FMI-$version" "$work/toolbox.log" ||
+            { cat "$work/toolbox.log" >&2; exit 1; }
+    done
+done
+
+echo "== what they ship to be tried with"
+"$python" fmu/tests/smoke_test.py "$fmus"
 
 echo "== against lmpc race"
 cargo run --quiet --release -p vehicle_bridge --bin lmpc -- \
@@ -83,6 +101,8 @@ for c in 2 3; do
     race "$one" "PathSim, FMI $c" "$pathsim" examples/fmu/race_pathsim.py --fmus "$fmus" --fmi $c
     race "$all" "Ecos, FMI $c" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c
     race "$all" "Ecos, FMI $c, SSP" "$ecos" examples/fmu/race_ecos.py --fmus "$fmus" --fmi $c --ssp
+    race "CoFMUPy's Jacobi loop, 0.01 s" "CoFMUPy, FMI $c" \
+        "$tools/cofmupy/bin/python" examples/fmu/race_cofmupy.py --fmus "$fmus" --fmi $c
 done
 race "$all" "libcosim, FMI 2" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus"
 race "$all" "libcosim, FMI 2, SSP" "$cosim" examples/fmu/race_libcosim.py --fmus "$fmus" --ssp

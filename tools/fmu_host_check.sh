@@ -2,7 +2,8 @@
 # Holds the libraries of tools/fmu.sh to plain C importers: natively under Valgrind, a hundred times
 # run and freed; a thousand times loaded and unloaded, from one file and from as many copies; how
 # deep their calls go; the same numbers on Windows under wine and on ARM64 under qemu. Also their
-# size, what they need, and that no path of this machine is inside. Arguments: FMUs (default out/fmu).
+# size, what they need, and that no path of this machine is inside. Then the static library: a race
+# with the bits of the FMU's, its example under Valgrind. Arguments: FMUs (default out/fmu).
 set -eu
 cd "$(dirname "$0")/.."
 fmus=${1:-out/fmu}
@@ -69,3 +70,23 @@ for name in vehicle controller; do
     done
     echo "$name: 1000 times loaded, $one kB each from one file, $many kB from copies; stack: $stack bytes"
 done
+
+# shellcheck disable=SC2086 # one word per argument
+static() { # program, source, flags
+    gcc -O1 -Wall -Wextra $3 -Ifmu/capi -o "$work/$1" "$2" -L"$lib/x86_64-unknown-linux-gnu" \
+        -llmpc_c -lgcc_eh -lpthread -ldl -lm
+}
+gcc -O1 -w -o "$work/race" fmu/tests/host/race.c -ldl -lpthread
+static race-static fmu/tests/host/race.c "-DSTATIC_CONTROLLER -w"
+static example fmu/capi/example.c ""
+tools/fmu_references.sh "$fmus" > "$work/references"
+so=$lib/x86_64-unknown-linux-gnu
+race() { "$work/$1" "$2" "$so/liblmpc_vehicle.so" "$work/references" 2 400 "$3" 0; }
+expected=$(race race "$so/liblmpc_controller.so" nearest)
+for state in nearest up trap flush; do
+    found=$(race race-static - $state)
+    [ "$found" = "$expected" ] || fail "static library, host's state $state: $found, FMU: $expected"
+done
+valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
+    "$work/example"
+echo "static library: $expected (hash, learned steps, laps of 400 steps), as the FMU; no leak"

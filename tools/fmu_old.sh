@@ -44,3 +44,9 @@ for version in 2 3; do
     echo "FMI $version in Debian 11, $($sudo chroot "$root" ldd --version | head -1):" \
         "$steps steps, $there (hash, learned steps, laps), as here"
 done
+tools/release.sh x86_64
+$sudo cp out/release/x86_64/lmpc "$place/"
+$sudo chroot "$root" /lmpc/lmpc --quiet race --laps 2 --out /lmpc/out > /dev/null
+lines=$(wc -l < "$place/out/trajectory.csv")
+[ "$lines" -gt 100 ] || { echo "lmpc race in Debian 11 wrote $lines lines" >&2; exit 1; }
+echo "lmpc race in Debian 11: $lines lines, without liblcm"

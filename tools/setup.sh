@@ -20,11 +20,11 @@ for job in "$@"; do
     case "$job" in
     race)
         need gcc "links the program" "command -v cc"
-        need liblcm-dev "the C library behind the LCM networks other than UDP" "test -e /usr/include/lcm/lcm.h"
         need libclang-dev "bindings for the FMUs of other vendors are made from the FMI headers" "ls /usr/lib/llvm*/lib /usr/lib/*-linux-gnu | grep -qE '^libclang(-[0-9.]+)?[.]so'"
         need libc6-dev "C start-up code the linker needs" "echo 'int main(void){return 0;}' | cc -x c - -o /dev/null"
         ;;
     test)
+        need liblcm1 "the C library behind the LCM networks other than UDP" "ls /usr/lib/*/liblcm.so.1"
         need liblcm-bin "lcm-gen and lcm-logger, what our messages and logs are compared with" "command -v lcm-gen"
         need iproute2 "sets up the network namespaces the network tests run in" "command -v ip"
         need default-jdk-headless "builds the jar from which lcm-spy knows our messages" "command -v javac && command -v jar"

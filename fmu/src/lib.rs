@@ -34,6 +34,7 @@ mod log;
 mod model;
 mod pack;
 mod registry;
+mod related;
 mod schedule;
 mod ship;
 mod status;

@@ -36,6 +36,9 @@ pub enum PackError {
         /// What is wrong, and where.
         reason: String,
     },
+    /// The files beside the model could not be made.
+    #[error("reference experiment: {0}")]
+    Related(String),
     /// No library, or a platform named twice, or one the version has no folder for.
     #[error("{0}")]
     Binaries(String),
@@ -95,6 +98,17 @@ pub fn pack(
     binaries: &[Binary],
     output: &Path,
 ) -> Result<(), PackError> {
+    pack_with(description, version, binaries, &[], output)
+}
+
+/// [`pack`], with further files.
+pub(crate) fn pack_with(
+    description: &Description,
+    version: Version,
+    binaries: &[Binary],
+    further: &[(String, Vec<u8>)],
+    output: &Path,
+) -> Result<(), PackError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     let xml = description.model_description(version);
     files.push(("modelDescription.xml".to_owned(), xml.into_bytes()));
@@ -130,6 +144,7 @@ pub fn pack(
         };
         files.push((place.to_owned(), description.icon.to_vec()));
     }
+    files.extend_from_slice(further);
     write_zip(output, &files)
 }
 

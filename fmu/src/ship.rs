@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::controller::ControllerFmu;
 use crate::description::{Description, Version};
 use crate::model::Model;
-use crate::pack::{Binary, PackError, Platform, pack, write_zip};
-use crate::system;
+use crate::pack::{Binary, PackError, Platform, pack_with, write_zip};
+use crate::related::{Related, related};
+use crate::system::{self, Element, Ssp};
 use crate::vehicle::VehicleFmu;
 
 /// File names of the FMUs.
@@ -43,37 +44,51 @@ pub fn models() -> [(&'static str, &'static Description); 2] {
     [(CONTROLLER, ControllerFmu::description()), (VEHICLE, VehicleFmu::description())]
 }
 
-/// Writes `fmi2/` and `fmi3/` with both FMUs, `lmpc-race.ssp` (FMI 2.0) and
-/// `fmi3/lmpc-race.ssp`, its parameter sets `barc.ssv`, `kart.ssv`, `iac.ssv` inside and beside
-/// them, and `osp/OspSystemStructure.xml`; returns the files.
+/// Writes `fmi2/` and `fmi3/` with both FMUs; the wired system as `lmpc-race.ssp` (SSP 1.0, FMI 2.0),
+/// `fmi3/lmpc-race.ssp` (SSP 1.0, FMI 3.0) and `ssp2/lmpc-race.ssp` (SSP 2.0, FMI 3.0); its parameter
+/// sets `barc.ssv`, `kart.ssv`, `iac.ssv` inside and beside them; and `osp/OspSystemStructure.xml`.
+/// Returns the files.
 ///
 /// # Errors
 /// [`PackError`] if a library is missing or a file cannot be written.
 pub fn ship(libraries: &[Libraries], out: &Path) -> Result<Vec<PathBuf>, PackError> {
     let mut written = Vec::new();
+    let Related { controller, vehicle } = related()?;
     for (version, folder) in [(Version::Fmi2, "fmi2"), (Version::Fmi3, "fmi3")] {
-        for (file, description) in models() {
+        for ((file, description), further) in models().into_iter().zip([&controller, &vehicle]) {
             let path = out.join(folder).join(file);
-            pack(description, version, &binaries(libraries, description, version), &path)?;
+            let libraries = binaries(libraries, description, version);
+            pack_with(description, version, &libraries, further, &path)?;
             written.push(path);
         }
-        let below = if version == Version::Fmi2 { out.to_owned() } else { out.join(folder) };
-        let path = below.join("lmpc-race.ssp");
-        write_system(&out.join(folder), &path)?;
+    }
+    let systems = [
+        (Ssp::V1, "fmi2", "lmpc-race.ssp"),
+        (Ssp::V1, "fmi3", "fmi3/lmpc-race.ssp"),
+        (Ssp::V2, "fmi3", "ssp2/lmpc-race.ssp"),
+    ];
+    for (ssp, fmus, file) in systems {
+        let path = out.join(file);
+        write_system(ssp, &out.join(fmus), &path)?;
         written.push(path);
     }
     for set in system::SETS {
         let path = out.join(format!("{}.ssv", set.car));
-        let error = |source| PackError::File { path: path.clone(), source };
-        std::fs::write(&path, system::ssv(&set)).map_err(error)?;
+        write_text(&path, &system::ssv(Ssp::V1, &set, Element::System))?;
         written.push(path);
     }
     let path = out.join("osp/OspSystemStructure.xml");
-    let error = |source| PackError::File { path: path.clone(), source };
-    std::fs::create_dir_all(out.join("osp")).map_err(error)?;
-    std::fs::write(&path, system::osp_structure("../fmi2")).map_err(error)?;
+    write_text(&path, &system::osp_structure("../fmi2"))?;
     written.push(path);
     Ok(written)
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), PackError> {
+    let error = |source| PackError::File { path: path.to_owned(), source };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(error)?;
+    }
+    std::fs::write(path, text).map_err(error)
 }
 
 /// The libraries of one model, without platforms the version has no folder for.
@@ -87,12 +102,12 @@ fn binaries(libraries: &[Libraries], d: &Description, version: Version) -> Vec<B
     usable.map(binary).collect()
 }
 
-/// The wired system with both FMUs inside.
-fn write_system(fmus: &Path, output: &Path) -> Result<(), PackError> {
-    let ssd = system::ssd().into_bytes();
-    let mut files = vec![("SystemStructure.ssd".to_owned(), ssd)];
+/// The wired system with both FMUs and the parameter sets inside.
+fn write_system(ssp: Ssp, fmus: &Path, output: &Path) -> Result<(), PackError> {
+    let mut files = vec![("SystemStructure.ssd".to_owned(), system::ssd(ssp).into_bytes())];
     for set in system::SETS {
-        files.push((format!("resources/{}.ssv", set.car), system::ssv(&set).into_bytes()));
+        let text = system::ssv(ssp, &set, Element::System);
+        files.push((format!("resources/{}.ssv", set.car), text.into_bytes()));
     }
     for (file, _) in models() {
         let path = fmus.join(file);

@@ -22,6 +22,8 @@ pub const OPERATOR_ACK: &str = "OP/ACK";
 pub const SETUP: &str = "LMPC/SETUP";
 /// [`Track`](crate::Track).
 pub const TRACK: &str = "MAP/TRACK";
+/// [`Hello`](crate::Hello).
+pub const HELLO: &str = "AUTH/HELLO";
 
 /// Longest name LCM allows. \[B\]
 pub const MAX_LENGTH: usize = 63;

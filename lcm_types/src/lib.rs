@@ -14,6 +14,7 @@
 //! | [`Heartbeat`] | [`channels::HEARTBEAT`] + name | each program → all |
 //! | [`OperatorCommand`] | [`channels::OPERATOR`] | operator → car, controller |
 //! | [`OperatorAck`] | [`channels::OPERATOR_ACK`] | car, controller → operator |
+//! | [`Hello`] | [`channels::HELLO`] | each program with a key → each other |
 //! | [`Setup`] | [`channels::SETUP`] | controller → bridge |
 //! | [`Track`] | [`channels::TRACK`] | controller → all |
 //!
@@ -39,6 +40,7 @@ mod message;
 #[cfg(test)]
 mod message_tests;
 pub mod schema;
+pub mod signature;
 pub mod value;
 pub mod wire;
 

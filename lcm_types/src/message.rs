@@ -1,7 +1,7 @@
 //! What every generated type can do.
 
 use crate::wire::{Reader, Wire, Writer};
-use crate::{Error, crc};
+use crate::{Error, crc, signature};
 
 /// A message type: its fingerprint, and its way to bytes and back.
 pub trait Message: Wire {
@@ -26,11 +26,12 @@ pub trait Message: Wire {
         written
     }
 
-    /// The message in `bytes`, which must hold it and nothing else.
+    /// The message in `bytes`, which must hold it and nothing else but a [`signature`].
     ///
     /// # Errors
     /// Any of the decoding variants of [`Error`].
     fn decode(bytes: &[u8]) -> Result<Self, Error> {
+        let (bytes, _) = signature::split(bytes);
         let mut reader = Reader::new(bytes, Self::NAME);
         let found = reader.fingerprint()?;
         if found != Self::FINGERPRINT {
@@ -62,6 +63,7 @@ pub trait Checked: Message {
     /// # Errors
     /// [`Error::Crc`], and as [`Message::decode`].
     fn open(bytes: &[u8]) -> Result<Self, Error> {
+        let (bytes, _) = signature::split(bytes);
         crc::check(Self::NAME, bytes)?;
         Self::decode(bytes)
     }

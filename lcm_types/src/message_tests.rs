@@ -38,6 +38,7 @@ fn recode(name: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
         crate::OperatorCommand,
         crate::OperatorAck,
         crate::Setup,
+        crate::Hello,
         crate::Track,
         crate::sample::Empty,
         crate::sample::Part,
@@ -51,12 +52,13 @@ fn schema() -> Schema {
 }
 
 /// As printed by lcm-gen 1.3.1 and 1.5.3.
-const FINGERPRINTS: [(&str, u64); 13] = [
+const FINGERPRINTS: [(&str, u64); 14] = [
     ("lmpc.actuation_command_t", 0x5910_1ead_56c1_6132),
     ("lmpc.actuation_report_t", 0x424b_58e8_d5db_3819),
     ("lmpc.frenet_t", 0xe7e5_6d20_a1c3_5904),
     ("lmpc.header_t", 0x82d3_c0e5_44ca_3ecc),
     ("lmpc.heartbeat_t", 0x5289_775c_07e9_2b9a),
+    ("lmpc.hello_t", 0xf8fc_fcfe_8285_1bcc),
     ("lmpc.lap_result_t", 0x2454_ff89_ec6b_8c97),
     ("lmpc.mpc_telemetry_t", 0x65e9_b1e8_f086_7196),
     ("lmpc.operator_ack_t", 0x96b7_0b00_79c6_2ca5),

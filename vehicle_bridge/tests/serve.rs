@@ -101,3 +101,36 @@ fn ctrl_c_tells_the_car_to_stop() {
         assert!(!told.is_empty() && told.iter().skip(1).all(|r| r.source == SAFE_STOP), "{told:?}");
     });
 }
+
+#[test]
+fn a_log_has_every_state_before_its_answer_and_replays() {
+    isolated("a_log_has_every_state_before_its_answer_and_replays", MULTICAST, URL, || {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("drive.log").display().to_string();
+        let messages = drive(&["--log", &log], channels::COMMAND);
+        assert!(commands(&messages, channels::COMMAND).len() >= ANSWERS);
+        let mut known = std::collections::BTreeSet::new();
+        let mut answered = 0;
+        for event in lcm_types::eventlog::Reader::new(std::fs::File::open(&log).unwrap()) {
+            let event = event.unwrap();
+            match event.channel.as_str() {
+                channels::STATE => {
+                    known.insert(lcm_types::VehicleState::open(&event.data).unwrap().h.seq);
+                }
+                channels::COMMAND => {
+                    let command = ActuationCommand::open(&event.data).unwrap();
+                    answered += u32::from(command.enable);
+                    assert!(!command.enable || known.contains(&command.state_seq), "{command:?}");
+                }
+                _ => {}
+            }
+        }
+        assert!(answered >= 20, "{answered}");
+        let replay = std::process::Command::new(env!("CARGO_BIN_EXE_lmpc"))
+            .args(["replay", &log])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&replay.stdout).into_owned();
+        assert!(replay.status.success(), "{said}{}", String::from_utf8_lossy(&replay.stderr));
+    });
+}

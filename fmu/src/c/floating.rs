@@ -12,7 +12,8 @@ const OURS: u32 = 0x1f80;
 const OURS: u64 = 0;
 
 /// The caller's state, put back when this is dropped; with it the exception flags it had.
-pub(crate) struct FloatingPoint {
+#[derive(Debug)]
+pub struct FloatingPoint {
     #[cfg(target_arch = "x86_64")]
     callers: u32,
     #[cfg(target_arch = "aarch64")]
@@ -21,14 +22,15 @@ pub(crate) struct FloatingPoint {
 
 impl FloatingPoint {
     /// Switches to our state.
-    pub(crate) fn ours() -> Self {
+    #[must_use]
+    pub fn ours() -> Self {
         let saved = Self::now();
         saved.replace();
         saved
     }
 
     /// Lets the host's code run in the host's state.
-    pub(crate) fn callers<T>(&self, body: impl FnOnce() -> T) -> T {
+    pub fn callers<T>(&self, body: impl FnOnce() -> T) -> T {
         self.put_back();
         let result = body();
         self.replace();

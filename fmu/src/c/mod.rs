@@ -5,7 +5,7 @@
 //! points to as many elements as the caller says, and a string ends with a zero byte.
 #![allow(unsafe_code)]
 
-pub(crate) mod floating;
+pub mod floating;
 pub mod fmi2;
 pub mod fmi3;
 mod instantiate;

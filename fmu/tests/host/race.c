@@ -1,6 +1,7 @@
 /* A plain C importer for tests: drives the controller's and the car's library in one loop and prints
  * a hash of every command and measurement, how many steps were learned ones, and the laps finished.
- * Runs on Linux x64 and ARM64 and, cross-built, on Windows.
+ * Runs on Linux x64 and ARM64 and, cross-built, on Windows. With STATIC_CONTROLLER defined the
+ * controller is the static library's: the hash must be the same.
  *
  * usage: race <controller library> <car library> <references> <FMI version> <steps>
  *             [<floating-point state> <when> [<stack of the thread, KiB>]]
@@ -29,6 +30,10 @@ static void *open_library(const char *p) {
     return library;
 }
 static void *symbol(void *l, const char *n) { return dlsym(l, n); }
+#endif
+
+#ifdef STATIC_CONTROLLER
+#include "lmpc.h"
 #endif
 
 #ifdef __x86_64__
@@ -235,35 +240,66 @@ static void *race(void *unused) {
     for (int k = 0; k < steps; k++) times[k] = k * PERIOD;
     const double one = 1, noise[NOISE] = {0.01, 0.01, 0.01, 1e-3, 1e-3, 1e-3};
     double state[STATE], command[COMMAND], action, finished;
+    (void)one;
     int learned = 0;
+#ifdef STATIC_CONTROLLER
+    int laps = 0;
+#endif
 
     host(when == 0 ? wanted : default_state);
+#ifdef STATIC_CONTROLLER
+    char error[256];
+    lmpc_controller *controller = lmpc_create("preset = \"race\"\n[warm_up]\nlaps = 1\n", "barc",
+                                              "l", error, sizeof error);
+    if (!controller) fail(error);
+#else
     struct fmu controller = instantiate(arguments[1], version, tokens[0]);
+#endif
     struct fmu car = instantiate(arguments[2], version, tokens[1]);
+#ifndef STATIC_CONTROLLER
     set(&controller, &r.warm_up_laps, 1, &one);
-    set(&car, r.noise, NOISE, noise);
     initialise(&controller);
+#endif
+    set(&car, r.noise, NOISE, noise);
     initialise(&car);
     for (int k = 0; k < steps; k++) {
         if (when == 1 || (when == 2 && k % 2)) host(wanted);
         if (when == 2 && k % 2 == 0) host(default_state);
         get(&car, r.state_out, STATE, state);
+#ifdef STATIC_CONTROLLER
+        lmpc_command answer;
+        check(lmpc_step(controller, times[k], (const lmpc_state *)state, NULL, &answer) * 3, "step");
+        check(lmpc_prepare(controller) * 3, "prepare");
+        command[0] = answer.input.a;
+        command[1] = answer.input.delta;
+        action = answer.action;
+        laps += answer.lap_finished;
+#else
         set(&controller, r.state_in, STATE, state);
         step(&controller, times[k]);
         get(&controller, r.command_out, COMMAND, command);
         get(&controller, &r.action, 1, &action);
+#endif
         set(&car, r.command_in, COMMAND, command);
         step(&car, times[k]);
         learned += action == 1;
         if (k == steps / 2) {
+#ifndef STATIC_CONTROLLER
             there_and_back(&controller);
+#endif
             there_and_back(&car);
         }
         digest(state, STATE);
         digest(command, COMMAND);
     }
+#ifdef STATIC_CONTROLLER
+    finished = laps;
+    lmpc_free(controller);
+    check(0, "free");
+#else
     get(&controller, &r.finished, 1, &finished);
     release(&controller);
+#endif
     release(&car);
     state_set(default_state);
     free(times);

@@ -3,6 +3,7 @@
 //! `build.rs` includes this folder by path to generate the crate's own types; the library offers
 //! the same parser at run time, so that a program can read types it was not built with.
 
+mod bounds;
 mod fingerprint;
 pub mod generate;
 mod lexer;
@@ -207,14 +208,21 @@ impl Schema {
     /// Parses files given as (name, text).
     ///
     /// # Errors
-    /// The first mistake: syntax, unknown or repeated names, a length that is no earlier integer.
+    /// The first mistake: syntax, unknown or repeated names, a length that is no earlier
+    /// integer, or more than anybody means (1 MiB of text, 2^20 values).
     pub fn parse(files: &[(&str, &str)]) -> Result<Self, SchemaError> {
         let mut structs = Vec::new();
         for (name, text) in files {
+            if text.len() > bounds::MAX_TEXT {
+                let place = Place { file: (*name).to_owned(), line: 1, column: 1 };
+                let message = format!("{} bytes, at most {}", text.len(), bounds::MAX_TEXT);
+                return Err(SchemaError::new(&place, message));
+            }
             structs.extend(parser::parse_file(name, text)?);
         }
         let schema = Self { structs };
         schema.check_references()?;
+        schema.check_bounds()?;
         Ok(schema)
     }
 

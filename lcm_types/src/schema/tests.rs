@@ -102,3 +102,32 @@ fn names_become_rust_names() {
     assert_eq!(generate::rust_name("mpc_telemetry_t"), "MpcTelemetry");
     assert_eq!(generate::rust_name("pose"), "Pose");
 }
+
+#[test]
+fn huge_and_deeply_nested_types_are_refused_at_once() {
+    let mut nested = "struct s0_t { double x; } ".to_owned();
+    let mut lengths = "struct s0_t { int32_t n; double x[n]; } ".to_owned();
+    for i in 1..60 {
+        nested += &format!("struct s{i}_t {{ s{}_t a; s{}_t b; }} ", i - 1, i - 1);
+        lengths +=
+            &format!("struct s{i}_t {{ int32_t n; s{}_t a[n]; s{}_t b[n]; }} ", i - 1, i - 1);
+    }
+    let dims = "[1]".repeat(10_000);
+    let cases = [
+        ("struct a_t { double x[1000000000]; }".to_owned(), "more than 1048576 values"),
+        ("struct a_t { double x[100000][100000][100000]; }".to_owned(), "more than 1048576 values"),
+        ("struct a_t { byte x[2147483647]; }".to_owned(), "more than 1048576 values"),
+        (nested, "more than 1048576 values"),
+        (lengths, "more than 1048576 values"),
+        (format!("struct a_t {{ double x{dims}; }}"), "10000 dimensions"),
+        (format!("struct a_t {{ double {}; }}", "x".repeat(2 << 20)), "bytes, at most 1048576"),
+    ];
+    for (text, expected) in &cases {
+        let error = Schema::parse(&[("a.lcm", text)]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    assert!(Schema::parse(&[("a.lcm", "struct a_t { double x[1000][1000]; }")]).is_ok());
+    // A text without an end is not read to its end.
+    let endless = std::io::repeat(b'x');
+    assert!(Schema::read_text(endless).unwrap_err().to_string().contains("longer than"));
+}

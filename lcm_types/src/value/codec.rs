@@ -3,6 +3,7 @@
 use super::Value;
 use crate::Error;
 use crate::schema::{Dim, Member, Primitive, Schema, Struct, Type};
+use crate::signature;
 use crate::wire::{Reader, Wire, Writer};
 
 /// Structs inside each other that are read; foreign types may contain themselves. [-]
@@ -16,6 +17,7 @@ impl Schema {
     /// [`Error::Depth`].
     pub fn decode(&self, name: &str, bytes: &[u8]) -> Result<Value, Error> {
         let structure = self.require(name)?;
+        let (bytes, _) = signature::split(bytes);
         let mut reader = Reader::new(bytes, "");
         let found = reader.fingerprint().map_err(|e| e.at(|| name.to_owned()))?;
         let expected = self.expect_fingerprint(name)?;

@@ -2,9 +2,9 @@
 
 use lcm_types::{ActuationCommand, OperatorCommand, VehicleState, channels};
 use rand::RngExt as _;
-use rand_distr::StandardNormal;
 
 use super::fault::{Action, Field};
+use super::field::FieldMemory;
 use super::random::Random;
 
 /// Applies a fault that changes what a message says; whether it did. Checksums are made anew, so
@@ -54,6 +54,8 @@ pub(super) struct Memory {
     state: Option<VehicleState>,
     command: Option<ActuationCommand>,
     flip: bool,
+    field: FieldMemory,
+    drift_ns: Option<i64>,
 }
 
 fn resealed<M: lcm_types::Checked>(
@@ -73,6 +75,12 @@ fn header(action: &Action, h: &mut lcm_types::Header, memory: &mut Memory) -> bo
             let jump = (jump_s * 1e6) as i64;
             h.utime += if memory.flip { jump } else { -jump };
         }
+        Action::ClockDrift { ppm } => {
+            let first = *memory.drift_ns.get_or_insert(h.mono_ns);
+            let ahead = ((h.mono_ns - first) as f64 * ppm * 1e-6) as i64;
+            h.mono_ns += ahead;
+            h.utime += ahead / 1000;
+        }
         _ => return false,
     }
     true
@@ -89,8 +97,15 @@ fn command(
         (m.accel, m.steer) = (old.accel, old.steer);
         return true;
     }
+    if let Action::Ttl { ms } = action {
+        #[expect(clippy::cast_possible_truncation, reason = "times of a run")]
+        let valid = (ms * 1e3) as i32;
+        m.valid_for_us = valid;
+        return true;
+    }
+    let now_ns = m.h.mono_ns;
     header(action, &mut m.h, memory)
-        || field(action, random, |name| match name {
+        || field(action, (now_ns, &mut memory.field), random, |name| match name {
             Field::Accel => Some(&mut m.accel),
             Field::Steer => Some(&mut m.steer),
             _ => None,
@@ -107,38 +122,38 @@ fn state(action: &Action, m: &mut VehicleState, memory: &mut Memory, random: &mu
             return true;
         }
         Action::Stale { ms } => m.meas_mono_ns -= (ms * 1e6) as i64,
+        Action::ClockDrift { ppm } => {
+            let first = memory.drift_ns.unwrap_or(m.h.mono_ns);
+            m.meas_mono_ns += ((m.meas_mono_ns - first) as f64 * ppm * 1e-6) as i64;
+        }
         _ => {}
     }
+    let now_ns = m.h.mono_ns;
     header(action, &mut m.h, memory)
-        || field(action, random, |name| match name {
+        || field(action, (now_ns, &mut memory.field), random, |name| match name {
             Field::Vx => Some(&mut m.vx),
             Field::Vy => Some(&mut m.vy),
             Field::YawRate => Some(&mut m.yaw_rate),
             Field::EY => Some(&mut m.frenet.e_y),
             Field::EPsi => Some(&mut m.frenet.e_psi),
             Field::S => Some(&mut m.frenet.s),
+            Field::X => Some(&mut m.x),
+            Field::Y => Some(&mut m.y),
+            Field::Yaw => Some(&mut m.yaw),
             Field::Accel | Field::Steer => None,
         })
 }
 
 fn field<'m>(
     action: &Action,
+    (now_ns, memory): (i64, &mut FieldMemory),
     random: &mut Random,
     place: impl FnOnce(Field) -> Option<&'m mut f64>,
 ) -> bool {
-    let (name, change): (Field, Box<dyn FnOnce(f64) -> f64 + '_>) = match *action {
-        Action::Nan { field } => (field, Box::new(|_| f64::NAN)),
-        Action::Set { field, value } => (field, Box::new(move |_| value)),
-        Action::Bias { field, value } => (field, Box::new(move |old| old + value)),
-        Action::Noise { field, sigma } => {
-            let kick: f64 = sigma * random.sample::<f64, _>(StandardNormal);
-            (field, Box::new(move |old| old + kick))
-        }
-        _ => return false,
-    };
-    let Some(place) = place(name) else { return false };
-    *place = change(*place);
-    true
+    let Some(place) = action.field().and_then(place) else { return false };
+    let changed = action.change(*place, now_ns, memory, random);
+    *place = changed.unwrap_or(*place);
+    changed.is_some()
 }
 
 #[cfg(test)]

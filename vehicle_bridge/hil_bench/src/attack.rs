@@ -11,6 +11,9 @@ use super::wire::{fragment, parts};
 /// Boot id of the second controller.
 const STRANGER: i64 = 0x00c0_ffee;
 
+/// Numbers an impostor is ahead of the source: the source's own are then old. \[-\]
+const AHEAD: i64 = 50;
+
 /// Junk of one of eight kinds, some of it made from a good datagram.
 pub(super) fn junk(good: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = good.to_vec();
@@ -69,8 +72,12 @@ pub(super) fn send(
         Action::SecondController { rate_hz, token } => {
             let count = due(&mut active.next_ns, time, rate_hz);
             for _ in 0..count {
+                if token == Token::Impostor {
+                    impostor(genuine(), &mut out);
+                    continue;
+                }
                 let token = match token {
-                    Token::None => 0,
+                    Token::None | Token::Impostor => 0,
                     Token::Guessed => active.random.random(),
                     Token::Stolen => {
                         ActuationCommand::open(genuine()).map_or(0, |command| command.arm_token)
@@ -110,6 +117,17 @@ fn due(next_ns: &mut i64, time: i64, rate_hz: f64) -> u32 {
     let count = ((time - *next_ns) / interval).clamp(0, 100) as u32;
     *next_ns += i64::from(count) * interval;
     count
+}
+
+/// A command that passes for one of the source's, some numbers ahead of it.
+fn impostor(genuine: &[u8], out: &mut impl FnMut(&str, &[u8])) {
+    let Ok(mut command) = ActuationCommand::open(genuine) else { return };
+    command.h.seq += AHEAD;
+    (command.accel, command.steer) = (1.0, 0.3);
+    let mut bytes = Vec::new();
+    if command.seal_into(&mut bytes).is_ok() {
+        out(channels::COMMAND, &bytes);
+    }
 }
 
 /// A well-formed command of another start than the source's.

@@ -91,6 +91,10 @@ pub struct Scenario {
     /// Whether the operator holds a dead man's switch.
     #[serde(default)]
     pub deadman: bool,
+    /// Whether the network has a key, `{dir}/key`: the harness signs, and its processes do with
+    /// `--key {dir}/key`.
+    #[serde(default)]
+    pub key: bool,
     /// Processes to start, by name, in this order.
     #[serde(default)]
     pub processes: Vec<String>,
@@ -121,9 +125,11 @@ pub struct Scenario {
 }
 
 /// When faults begin: every condition given has to hold.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct When {
+    /// Instead of all others: the car side refuses an order, with this in its words.
+    pub refused: Option<String>,
     /// Time since the first command was applied, and up to 0.1 s more by the seed. \[s\]
     pub driving_s: f64,
     /// Speed. \[m/s\]
@@ -266,4 +272,48 @@ fn observe() -> f64 {
 
 fn patience() -> f64 {
     15.0
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use serde::de::DeserializeOwned;
+
+    use super::*;
+    use crate::fault::Field;
+    use crate::measure::Measure;
+
+    /// The names a type knows, as its refusal of another one lists them.
+    fn known<T: DeserializeOwned>(wrong: &str) -> Vec<String> {
+        let refusal = serde_json::from_str::<T>(wrong).err().unwrap().to_string();
+        let names = refusal.split('`').skip(3).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+        assert!(names.len() > 2, "{refusal}");
+        names
+    }
+
+    #[test]
+    fn the_page_names_everything_a_bench_file_can_say() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bench.md");
+        let page = std::fs::read_to_string(path).unwrap();
+        let words: BTreeSet<&str> = page
+            .split('`')
+            .skip(1)
+            .step_by(2)
+            .flat_map(|code| code.split(|c: char| !c.is_ascii_alphanumeric() && c != '_'))
+            .collect();
+        let all = [
+            known::<Bench>(r#"{"no": 1}"#),
+            known::<Process>(r#"{"no": 1}"#),
+            known::<Scenario>(r#"{"no": 1}"#),
+            known::<When>(r#"{"no": 1}"#),
+            known::<Fault>(r#"{"no": 1}"#),
+            known::<Action>(r#"{"no": {}}"#),
+            known::<Field>(r#""no""#),
+            known::<Measure>(r#""no""#),
+            known::<Expectation>(r#"{"no": 1}"#),
+        ];
+        let missing: Vec<_> =
+            all.iter().flatten().filter(|name| !words.contains(name.as_str())).collect();
+        assert!(missing.is_empty(), "docs/bench.md does not name {missing:?}");
+    }
 }

@@ -30,7 +30,7 @@ const SPEED_TIME: f64 = 0.4;
 const REACH: f64 = 0.9;
 
 /// How far the drive is.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Progress {
     /// First command sent, monotonic. \[ns\]
     pub(super) driving_ns: Option<i64>,
@@ -40,6 +40,8 @@ pub(super) struct Progress {
     pub(super) s: f64,
     /// Laps begun. \[-\]
     pub(super) lap: i32,
+    /// Why the car side last refused an order.
+    pub(super) refusal: String,
 }
 
 /// What the driver is to do.
@@ -90,7 +92,7 @@ impl Driver {
 
     /// How far it is.
     pub(super) fn progress(&self) -> Progress {
-        *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -151,6 +153,11 @@ impl Source {
             channels::OPERATOR_ACK => {
                 if let Ok(ack) = OperatorAck::decode(&received.payload) {
                     self.operator.answer(&ack);
+                    if !ack.accepted {
+                        let mut progress =
+                            self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+                        progress.refusal.clone_from(&ack.detail);
+                    }
                     self.grant(ack.arm_token, ack.state);
                 }
             }

@@ -1,9 +1,9 @@
 //! Faults of a bench file.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A fault: what is done, where, from when, for how long.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
     /// Seconds after the scenario's `when`. \[s\]
@@ -16,12 +16,17 @@ pub struct Fault {
     /// Share of the messages it acts on, drawn by the seed. \[-\]
     #[serde(default = "all")]
     pub share: f64,
+    /// On the simulated car itself, started with `--bench-car {dir}/car-faults.json`: fields of a
+    /// state are its sensors, before the bridge sees them, `accel` and `steer` its actuators, behind
+    /// the bridge's limiter.
+    #[serde(default)]
+    pub car: bool,
     /// What is done.
     pub action: Action,
 }
 
 /// What a fault does.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Action {
     /// Messages are lost; with `first`, only that many.
@@ -130,6 +135,54 @@ pub enum Action {
         /// Standard deviation, in the field's unit.
         sigma: f64,
     },
+    /// A field drifts from its value, from the fault's beginning on.
+    Ramp {
+        /// Which.
+        field: Field,
+        /// In the field's unit a second.
+        per_s: f64,
+    },
+    /// A field wanders off at random.
+    RandomWalk {
+        /// Which.
+        field: Field,
+        /// Standard deviation after one second, in the field's unit.
+        sigma: f64,
+    },
+    /// A field is multiplied.
+    Scale {
+        /// Which.
+        field: Field,
+        /// By this. \[-\]
+        factor: f64,
+    },
+    /// A field stays as it was, while stamps, numbers and the other fields go on.
+    Stuck {
+        /// Which.
+        field: Field,
+    },
+    /// A field follows slowly, as a first-order lag.
+    Lag {
+        /// Which.
+        field: Field,
+        /// Time constant. \[s\]
+        seconds: f64,
+    },
+    /// Every n-th message alone goes through.
+    Every {
+        /// n. \[-\]
+        n: u32,
+    },
+    /// The sender's clocks run at another rate, from the fault's beginning on.
+    ClockDrift {
+        /// Faster by this. \[us/s\]
+        ppm: f64,
+    },
+    /// A command may be used for this long.
+    Ttl {
+        /// Time. \[ms\]
+        ms: f64,
+    },
     /// The message type's fingerprint is another one, as of an old version.
     Fingerprint {},
     /// The light source starts again without a gap: other boot id, numbers from 0, no grant.
@@ -174,7 +227,7 @@ pub enum Action {
 }
 
 /// Orders of the operator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
     /// Emergency stop, repeated every 10 ms until it is acknowledged.
@@ -186,7 +239,7 @@ pub enum Order {
 }
 
 /// The grant a second controller claims.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Token {
     /// None.
@@ -196,10 +249,12 @@ pub enum Token {
     Guessed,
     /// The source's, as read from its commands.
     Stolen,
+    /// The source's, and its start and numbers too: the command passes for its own.
+    Impostor,
 }
 
 /// Fields of states and commands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Field {
     /// Acceleration of a command. \[m/s^2\]
@@ -218,6 +273,12 @@ pub enum Field {
     EPsi,
     /// Position of a state along the centre line. \[m\]
     S,
+    /// Position of a state, world frame, east. \[m\]
+    X,
+    /// Position of a state, world frame, north. \[m\]
+    Y,
+    /// Heading of a state, world frame. \[rad\]
+    Yaw,
 }
 
 impl Action {
@@ -240,6 +301,14 @@ impl Action {
                 | Self::Set { .. }
                 | Self::Bias { .. }
                 | Self::Noise { .. }
+                | Self::Ramp { .. }
+                | Self::RandomWalk { .. }
+                | Self::Scale { .. }
+                | Self::Stuck { .. }
+                | Self::Lag { .. }
+                | Self::Every { .. }
+                | Self::ClockDrift { .. }
+                | Self::Ttl { .. }
                 | Self::Fingerprint {}
         )
     }
@@ -277,6 +346,14 @@ impl Fault {
             && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
         {
             problems.push(format!("fault: rate_hz is {rate_hz}, expected above 0, at most 100000"));
+        }
+        problems.extend(self.action.problem().map(|problem| format!("fault: {problem}")));
+        if self.car && self.action.field().is_none() && self.action != (Action::Freeze {}) {
+            problems
+                .push("fault: car = true goes with faults of a field and with freeze".to_owned());
+        }
+        if self.car && self.channel.is_some() {
+            problems.push("fault: car = true is on no channel".to_owned());
         }
         problems
     }

@@ -29,6 +29,11 @@ pub enum Measure {
     Refused,
     /// States in which the car's centre was beyond the edge of the track.
     OffTrack,
+    /// How far the car's body was beyond the edge of the track, at most; negative if it never was. By
+    /// the car's true state where it tells it. \[m\]
+    BeyondM,
+    /// Reports that drive after the fault began.
+    Drives,
     /// Processes that ended by themselves.
     Crashes,
     /// Growth of the car side's memory. \[MB\]
@@ -111,6 +116,8 @@ impl Measure {
                 | Self::DrivesAfterGap
                 | Self::MemoryMb
                 | Self::OffTrack
+                | Self::BeyondM
+                | Self::Drives
         )
     }
 

@@ -8,12 +8,14 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use lcm_types::eventlog::Reader;
 use lcm_types::{
-    ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, VehicleState, channels,
+    ActuationReport, Checked as _, Frenet, Heartbeat, Message as _, OperatorAck, VehicleState,
+    channels,
 };
-use vehicle_model::{Limiter, Track};
+use vehicle_model::{Limiter, Outline, State, Track};
 
 use super::controller_side::{Controller, log_dropped};
 use super::measure::{Measure, Values};
+use super::on_car::TRUTH;
 use super::output::{STOP, drives, unsafe_reports};
 use super::passed::Passed;
 use transport::{Inbox, Received};
@@ -42,6 +44,8 @@ pub struct Point {
 pub(super) struct Heard {
     reports: Vec<ActuationReport>,
     states: Vec<VehicleState>,
+    /// Of a simulated car that can fail.
+    truth: Vec<VehicleState>,
     beats: Vec<Heartbeat>,
     acks: Vec<OperatorAck>,
     controller: Controller,
@@ -50,6 +54,7 @@ pub(super) struct Heard {
 /// What a run is measured by.
 pub(super) struct Rule<'a> {
     pub(super) limiter: Limiter,
+    pub(super) outline: Outline,
     pub(super) track: &'a Track,
     /// Whether only a grant lets the car drive.
     pub(super) latching: bool,
@@ -80,6 +85,7 @@ impl Heard {
         match channel {
             channels::ACTUATION => self.reports.extend(ActuationReport::open(payload).ok()),
             channels::STATE => self.states.extend(VehicleState::open(payload).ok()),
+            TRUTH => self.truth.extend(VehicleState::open(payload).ok()),
             channels::OPERATOR_ACK => self.acks.extend(OperatorAck::decode(payload).ok()),
             "HB/bridge" => self.beats.extend(Heartbeat::decode(payload).ok()),
             _ => self.controller.add(channel, payload),
@@ -90,6 +96,7 @@ impl Heard {
     fn until(mut self, until_ns: i64) -> Self {
         self.reports.retain(|report| report.h.mono_ns <= until_ns);
         self.states.retain(|state| state.h.mono_ns <= until_ns);
+        self.truth.retain(|state| state.h.mono_ns <= until_ns);
         self
     }
 
@@ -151,18 +158,29 @@ impl Heard {
             let driving = after[first + 1..].iter().filter(|r| drives(r)).count();
             values.insert(Measure::DrivesAfterGap, driving as f64);
         }
-        self.of_states(start_ns, rule.track, &mut values);
+        values.insert(Measure::Drives, count(&drives));
+        self.of_states(start_ns, rule, &mut values);
         self.of_beats(start_ns, &mut values);
         values
     }
 
-    fn of_states(&self, start_ns: i64, track: &Track, values: &mut Values) {
-        let off = self.states.iter().filter(|state| {
+    fn of_states(&self, start_ns: i64, rule: &Rule<'_>, values: &mut Values) {
+        let states = if self.truth.is_empty() { &self.states } else { &self.truth };
+        let track = rule.track;
+        let beyond = states.iter().filter(|state| state.h.mono_ns >= start_ns).map(|state| {
+            let Frenet { s, e_y, e_psi, .. } = state.frenet;
+            rule.outline.overhang(track, &State { s, e_y, e_psi, ..State::default() })
+        });
+        let beyond = beyond.fold(f64::NEG_INFINITY, f64::max);
+        if beyond.is_finite() {
+            values.insert(Measure::BeyondM, beyond);
+        }
+        let off = states.iter().filter(|state| {
             let f = &state.frenet;
             f.e_y > track.width_left(f.s) || -f.e_y > track.width_right(f.s)
         });
         values.insert(Measure::OffTrack, off.count() as f64);
-        let after: Vec<_> = self.states.iter().filter(|s| s.h.mono_ns >= start_ns).collect();
+        let after: Vec<_> = states.iter().filter(|s| s.h.mono_ns >= start_ns).collect();
         if after.last().is_some_and(|state| state.vx < 0.05) {
             let way =
                 after.windows(2).map(|p| (p[1].h.mono_ns - p[0].h.mono_ns) as f64 * 1e-9 * p[0].vx);
@@ -239,7 +257,8 @@ mod tests {
             speed_cap: f64::INFINITY,
         };
         let track = Track::builtin("l").unwrap();
-        let rule = Rule { limiter, track: &track, latching: true };
+        let outline = Outline::new(&vehicle_model::CarParams::builtin("barc").unwrap());
+        let rule = Rule { limiter, outline, track: &track, latching: true };
         let values = heard.values(10 * MS, &passed, &rule);
         let expected = [
             (Measure::LossToStopMs, 31.0),

@@ -116,9 +116,14 @@ pub(super) fn ended(status: ExitStatus) -> i32 {
 
 fn spawn(command: &[String], log: &Path) -> Result<Child> {
     let [program, arguments @ ..] = command else { bail!("a process has an empty command") };
+    let folder = log.parent().unwrap_or(Path::new("."));
     let log = File::create(log).with_context(|| format!("cannot write {}", log.display()))?;
     Command::new(program)
         .args(arguments)
+        // A black box in a run's own folder.
+        .env("XDG_STATE_HOME", folder)
+        .env_remove("STATE_DIRECTORY")
+        .env_remove("NOTIFY_SOCKET")
         .stdin(Stdio::null())
         .stdout(log.try_clone()?)
         .stderr(log)

@@ -193,6 +193,9 @@ impl Forwarder {
         let mut faults = std::mem::take(&mut self.faults);
         let mut lost = false;
         for active in &mut faults {
+            if active.fault.car {
+                continue;
+            }
             let of_channel = active.fault.channel.as_ref().is_none_or(|name| *name == channel);
             let (from, until) = active.fault.window_ns();
             let since = if start == i64::MAX { -1 } else { time - start };
@@ -221,6 +224,10 @@ impl Forwarder {
                 Action::Drop { first } => {
                     active.count += 1;
                     lost |= first.is_none_or(|most| active.count <= most);
+                }
+                Action::Every { n } => {
+                    active.count += 1;
+                    lost |= active.count % n != 0;
                 }
                 #[expect(clippy::cast_possible_truncation, reason = "delays of a run")]
                 Action::Delay { ms, jitter_ms } => {
@@ -257,7 +264,7 @@ impl Forwarder {
                         &mut active.memory,
                         &mut active.random,
                     ) {
-                        genuine &= matches!(action, Action::WallClock { .. });
+                        genuine &= matches!(action, Action::WallClock { .. } | Action::Ttl { .. });
                         self.sequence += 1;
                         bytes = datagram(self.sequence, &channel, &message);
                     }

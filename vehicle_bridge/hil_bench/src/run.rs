@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, bail};
 use lcm_types::channels;
 use rand::RngExt as _;
-use vehicle_model::{CarParams, Limiter, Track};
+use vehicle_model::{CarParams, Limiter, Outline, Track};
 
 use super::bench::{Bench, Scenario, Source};
 use super::driver::{Driver, Progress, Task};
@@ -16,10 +16,12 @@ use super::fault::Action;
 use super::host::{self, Host};
 use super::measure::{Expectation, Measure, Name, Values};
 use super::observe::{Heard, Point, Rule};
+use super::on_car;
 use super::process::Program;
 use super::program;
 use super::proxy::Proxy;
 use super::random;
+use auth::{Key, Signed};
 use hosting::realtime;
 use protocol::convert::nanoseconds;
 use transport::{Filter, Inbox, ThreadStart, Transport, Url, now};
@@ -32,7 +34,8 @@ const PHASE: f64 = 0.1;
 /// Messages of a run on the car's side. \[-\]
 const HEARD: usize = 1 << 16;
 /// Channels of which something is measured.
-const CHANNELS: [&str; 6] = [
+const CHANNELS: [&str; 7] = [
+    on_car::TRUTH,
     channels::ACTUATION,
     channels::STATE,
     channels::OPERATOR_ACK,
@@ -40,6 +43,8 @@ const CHANNELS: [&str; 6] = [
     "HB/bridge",
     "HB/lmpc",
 ];
+/// Faults of the car itself, in a run's folder.
+const CAR_FAULTS: &str = "car-faults.json";
 /// Positions this near to the one asked for count. \[m\]
 const NEAR: f64 = 1.0;
 
@@ -127,6 +132,7 @@ fn drive(
     let heard = Inbox::queue(HEARD);
     let observer = join(car_url)?;
     observer.subscribe(Filter::Only(CHANNELS.map(str::to_owned).to_vec()), heard.sink())?;
+    let key = scenario.key.then(|| Key::create(&folder.0.join("key"))).transpose()?;
     let start = Arc::new(AtomicI64::new(i64::MAX));
     let proxy =
         Proxy::start((&options(control_url)?, &options(car_url)?), &scenario.faults, &start, seed)?;
@@ -149,6 +155,10 @@ fn drive(
         programs.push(program);
     }
     let control = join(control_url)?;
+    let control: Arc<dyn Transport> = match key {
+        Some(key) => Arc::new(Signed::new(control, key)?),
+        None => control,
+    };
     let task = Task {
         car: place.car.clone(),
         track: Arc::clone(&place.track),
@@ -161,6 +171,8 @@ fn drive(
     let driver = Driver::start(&control, task, &start)?;
     let phase = PHASE * random::of(seed ^ 0x7ab1e).random::<f64>();
     let begins = wait(scenario, &driver, phase)?;
+    let on_car = folder.0.join(CAR_FAULTS);
+    on_car::begin(&on_car, &scenario.faults, begins, seed)?;
     start.store(begins, Ordering::Release);
     let growth = inject(scenario, &mut programs, &mut host, begins)?;
     let crashes = programs.iter_mut().filter_map(|p| p.crashed().then(|| p.name.clone())).count();
@@ -168,7 +180,10 @@ fn drive(
     drop(driver);
     let passed = proxy.passed();
     drop(programs);
-    for (index, fault) in scenario.faults.iter().enumerate() {
+    if !on_car::acted(&on_car) {
+        bail!("the car read no faults: its process needs `--bench-car {{dir}}/{CAR_FAULTS}`");
+    }
+    for (index, fault) in scenario.faults.iter().enumerate().filter(|(_, fault)| !fault.car) {
         if fault.action.is_on_messages() && !passed.acted.contains_key(&index) {
             let channel = fault.channel.as_deref().unwrap_or("any channel");
             bail!("fault {} acted on no message of {channel}", index + 1);
@@ -180,7 +195,8 @@ fn drive(
         None => Heard::of(&heard, ended),
     };
     let limiter = Limiter::new(&place.car);
-    let rule = Rule { limiter, track: &place.track, latching: place.bench.arming };
+    let outline = Outline::new(&place.car);
+    let rule = Rule { limiter, outline, track: &place.track, latching: place.bench.arming };
     let mut values = heard.values(begins, &passed, &rule);
     values.insert(Measure::Crashes, crashes as f64);
     values.insert(Measure::MemoryMb, growth);
@@ -198,7 +214,10 @@ fn wait(scenario: &Scenario, driver: &Driver, phase: f64) -> Result<i64> {
     let when = &scenario.when;
     let patience = Instant::now() + Duration::from_secs_f64(scenario.patience_s);
     loop {
-        let Progress { driving_ns, speed, s, lap } = driver.progress();
+        let Progress { driving_ns, speed, s, lap, refusal } = driver.progress();
+        if when.refused.as_ref().is_some_and(|why| refusal.contains(why)) {
+            return Ok(now().mono_ns);
+        }
         if let Some(begun) = driving_ns {
             let due = begun + nanoseconds(when.driving_s + phase);
             let there = when.s_m.is_none_or(|at| (at..at + NEAR).contains(&s));
@@ -207,7 +226,11 @@ fn wait(scenario: &Scenario, driver: &Driver, phase: f64) -> Result<i64> {
             }
         }
         if Instant::now() > patience {
-            let state = if driving_ns.is_some() { "drives" } else { "was never armed" };
+            let state = if driving_ns.is_some() {
+                "drives".to_owned()
+            } else {
+                format!("was never armed ({refusal})")
+            };
             bail!(
                 "the scenario's `when` did not come within {} s: the car {state}, {speed:.2} m/s, \
                  s = {s:.2} m, lap {lap}; {} is silent or the car side refuses",

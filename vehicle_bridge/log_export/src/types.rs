@@ -26,7 +26,8 @@ impl Types {
             lcm_types::SOURCES.iter().map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect();
         for path in files {
             let shown = path.display().to_string();
-            let text = fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+            let text = fs::File::open(path).and_then(Schema::read_text);
+            let text = text.with_context(|| format!("cannot read {shown}"))?;
             sources.push((shown, text));
         }
         let borrowed: Vec<(&str, &str)> = sources.iter().map(|(n, t)| (&**n, &**t)).collect();

@@ -35,7 +35,7 @@ impl Safety {
             OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
             OrderKind::Reset => {
                 self.standstill(rules, now_ns)?;
-                (self.phase, self.blind) = (Phase::Idle, false);
+                (self.phase, self.blind, self.steering) = (Phase::Idle, false, None);
             }
             OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
             OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
@@ -109,7 +109,7 @@ impl Safety {
         if let Some(suspicion) = doubt::place(rules, &self.estimate) {
             return Err(Denied::Place(suspicion));
         }
-        (self.doubt, self.blind) = (Doubt::default(), false);
+        (self.doubt, self.blind, self.steering) = (Doubt::default(), false, None);
         (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
         self.deadman_ns = order.deadman.then_some(now_ns);
         Ok(())

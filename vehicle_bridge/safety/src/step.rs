@@ -4,7 +4,7 @@ use vehicle_model::{Input, Limited, State};
 
 use super::command::{Offer, Reject};
 use super::controllers::Controllers;
-use super::doubt::{Doubt, Finding, Reaction, Suspicion};
+use super::doubt::{Doubt, Finding, Reaction, Steering, Suspicion};
 use super::lapse::Lapse;
 use super::published::Published;
 use super::rate::Rate;
@@ -38,6 +38,8 @@ pub struct Safety {
     pub(super) doubt: Doubt,
     /// The stop is driven by reckoning: the states are doubted.
     pub(super) blind: bool,
+    /// The stop is driven with a steering that does not do what it is told.
+    pub(super) steering: Option<Steering>,
     pub(super) speed_cap: Option<f64>,
     pub(super) applied: Option<Limited>,
     pub(super) source: Source,
@@ -233,6 +235,9 @@ impl Safety {
         if let Some(before) = before.filter(|_| self.phase == Phase::Running) {
             self.question(rules, &before, x, now_ns);
         }
+        if let (Some(before), Some(_)) = (before, self.steering) {
+            self.learn_steering(rules, &before, x, now_ns);
+        }
         if self.phase == Phase::Boot {
             self.phase = Phase::Idle;
         }
@@ -253,8 +258,20 @@ impl Safety {
             if let Some(trusted) = self.doubt.trusted().filter(|_| doubted) {
                 (self.estimate, self.estimate_ns, self.blind) = (trusted, now_ns, true);
             }
+            if finding.what == Suspicion::Steering {
+                self.steering = Some(self.doubt.steering());
+            }
             self.leave(Phase::SafeStop, Lapse::Doubt(finding.what));
         }
+    }
+
+    /// While the car is stopped for its steering, what is wrong with it becomes clearer.
+    fn learn_steering(&mut self, rules: &Rules, before: &Seen, x: &State, now_ns: i64) {
+        let Some(limits) = &rules.doubt else { return };
+        let dt = now_ns.saturating_sub(before.at_ns) as f64 * 1e-9;
+        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
+        self.doubt.on_stop(rules, limits, (&before.x, x), applied, dt);
+        self.steering = Some(self.doubt.steering());
     }
 
     /// The worst doubt of the present drive.
@@ -327,7 +344,7 @@ impl Safety {
         self.estimate_ns = now_ns;
         self.tick_ns = Some(now_ns);
         if self.phase == Phase::SafeStop && self.standstill(rules, now_ns).is_ok() {
-            (self.phase, self.blind) = (Phase::Idle, false);
+            (self.phase, self.blind, self.steering) = (Phase::Idle, false, None);
         }
         let driven = match self.phase {
             Phase::Running => {
@@ -341,7 +358,11 @@ impl Safety {
             Some((input, true)) => (input, Source::Plan),
             None => {
                 let source = if stopped { Source::Stop } else { Source::None };
-                (stop::brake(rules, &self.estimate), source)
+                let brake = match self.steering.filter(|_| stopped) {
+                    Some(steering) => stop::brake_without_steering(rules, &self.estimate, steering),
+                    None => stop::brake(rules, &self.estimate),
+                };
+                (brake, source)
             }
         };
         let slow = driven.is_some() && self.doubt.finding.reaction() >= Reaction::SlowDown;

@@ -2,14 +2,17 @@
 
 use vehicle_model::{Input, Model, State};
 
+use super::doubt::Steering;
 use super::rules::Rules;
 
 /// Slower than this, the brake stays pressed. \[m/s\]
 const HOLD_BELOW: f64 = 0.5;
 /// How hard, as a share of full braking. \[-\]
 const HOLD: f64 = 0.2;
+/// Share of the grip that is braked with. \[-\]
+const BRAKE_SHARE: f64 = 0.9;
 /// Slower than this, tyres are taken to roll without slip. \[m/s\]
-const ROLL_BELOW: f64 = 1.0;
+pub(super) const ROLL_BELOW: f64 = 1.0;
 /// Longest step of the reckoning. \[s\]
 const STEP: f64 = 0.002;
 
@@ -20,6 +23,22 @@ pub(super) fn brake(rules: &Rules, x: &State) -> Input {
         return Input { a: wanted.a.min(HOLD * rules.limiter.a_min), ..wanted };
     }
     wanted
+}
+
+/// The same with a steering that does not do what it is told: against its bias, or, where it is stuck,
+/// as hard as the lateral acceleration that the car has leaves grip for.
+pub(super) fn brake_without_steering(rules: &Rules, x: &State, steering: Steering) -> Input {
+    let wanted = brake(rules, x);
+    match steering {
+        Steering::Biased(bias) => Input { delta: wanted.delta - bias, ..wanted },
+        Steering::Stuck => {
+            let car = &rules.rolling.params;
+            let grip = 9.81 * car.tyre_front.mu.min(car.tyre_rear.mu);
+            let lateral = x.v_x * x.omega_z;
+            let left = (grip * grip - lateral * lateral).max(0.04 * grip * grip).sqrt();
+            Input { a: (-BRAKE_SHARE * left).max(rules.limiter.a_min), ..wanted }
+        }
+    }
 }
 
 /// Where the car will be after `dt` \[s\], for the time without states.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use vehicle_model::Limited;
 
+use auth::Seal;
 use safety::{Finding, Lapse, Reaction, Reject};
 use transport::record::Log;
 
@@ -51,6 +52,10 @@ pub(super) struct Account {
     pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
     pub(super) log: Option<Log>,
+    /// Why the relay gets no sign of life.
+    pub(super) relay: Option<Arc<str>>,
+    /// Before the network.
+    pub(super) seal: Option<Seal>,
     /// A real car's messages.
     pub(super) car: Option<mapping::Counts>,
     /// Last refusal.
@@ -84,6 +89,12 @@ impl fmt::Display for Account {
         }
         if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
             say(format_args!("{complaint}"))?;
+        }
+        if let Some(complaint) = self.seal.as_ref().and_then(Seal::complaint) {
+            say(format_args!("{complaint}"))?;
+        }
+        if let Some(relay) = &self.relay {
+            say(format_args!("{relay}"))?;
         }
         if self.doubt.reaction() >= Reaction::Report {
             let Finding { what, level } = self.doubt;
@@ -123,6 +134,8 @@ mod tests {
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::Heartbeat(Reject::Boot)),
             log: None,
+            seal: None,
+            relay: None,
         };
         assert_eq!(
             account.to_string(),

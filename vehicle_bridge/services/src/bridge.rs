@@ -14,6 +14,8 @@ use super::account::{Account, Refused};
 use super::neighbours::{Neighbours, Role};
 use super::pulse::Pulse;
 use super::side::CarSide;
+use super::watchdog::Watchdog;
+use auth::Seal;
 use protocol::guard::Counts;
 use protocol::orders::{Heard, Orders};
 use protocol::outlet::{Identity, Outlet, random};
@@ -56,6 +58,8 @@ pub struct Bridge {
     pub(super) unsent: u64,
     pub(super) desk: Orders,
     pub(super) neighbours: Neighbours,
+    /// Who looks after this loop from outside.
+    pub(super) watchdog: Option<Watchdog>,
     /// For the bench: panics after this long in RUNNING.
     pub(super) panic_after: Option<Duration>,
     /// Input of the last tick.
@@ -98,6 +102,7 @@ impl Bridge {
             desk: Orders::new(&host),
             neighbours: Neighbours::new(identity.boot_id),
             panic_after: None,
+            watchdog: None,
             held: Input::default(),
             source: Source::None,
             bridged: Bridged::default(),
@@ -132,6 +137,19 @@ impl Bridge {
     #[must_use]
     pub fn with_log(self, log: Option<Log>) -> Self {
         self.pulse.update(|health| health.detail.log = log);
+        self
+    }
+
+    /// Gives signs of life to the service manager and to a relay.
+    #[must_use]
+    pub fn with_watchdog(self, watchdog: Watchdog) -> Self {
+        Self { watchdog: Some(watchdog), ..self }
+    }
+
+    /// Tells in every life sign what was refused for want of a signature.
+    #[must_use]
+    pub fn with_seal(self, seal: Option<Seal>) -> Self {
+        self.pulse.update(|health| health.detail.seal = seal);
         self
     }
 
@@ -280,6 +298,7 @@ impl Bridge {
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
+        let relay = self.watchdog.as_ref().and_then(Watchdog::trouble).map(Arc::from);
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;
@@ -287,6 +306,7 @@ impl Bridge {
             let said = &mut health.detail;
             (said.lapse, said.missed, said.unsent, said.car) = (lapse, missed, unsent, car);
             said.doubt = finding;
+            said.relay = relay;
             if let Some(news) = neighbours {
                 said.neighbours = news;
             }

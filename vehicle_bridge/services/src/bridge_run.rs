@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use lcm_types::channels;
 
 use super::bridge::{Bridge, Bridged, WAITING};
+use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
 use safety::{Event, Lapse, Phase, Source};
 
@@ -44,6 +45,7 @@ impl Bridge {
     /// is a request to end.
     pub fn run(&mut self, shutdown: &Shutdown, on_change: &mut dyn FnMut(Phase, Lapse)) -> Bridged {
         let mut clock = Clock::new(self.safety.phase());
+        self.watchdog.iter().for_each(Watchdog::ready);
         while !shutdown.is_urgent() && !self.is_over(shutdown, &mut clock) {
             // The core's memory changes only with a whole event: it is sound after a panic.
             let beat = AssertUnwindSafe(|| self.beat(&mut clock, &mut *on_change));
@@ -69,6 +71,9 @@ impl Bridge {
         let stops = |phase| matches!(phase, Phase::SafeStop | Phase::Estop | Phase::Fault);
         let phase = self.safety.phase();
         let drove = phase == Phase::Running || stops(phase);
+        if clock.ending.is_none() {
+            self.watchdog.iter().for_each(Watchdog::ending);
+        }
         let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
         self.step(&Event::End);
         let now_ns = transport::now().mono_ns;
@@ -102,7 +107,9 @@ impl Bridge {
         self.act(clock.due - clock.acted);
         clock.acted = clock.due;
         let phase = self.safety.phase();
+        self.watchdog.iter_mut().for_each(Watchdog::beat);
         if phase != clock.phase {
+            self.watchdog.iter().for_each(|watchdog| watchdog.status(phase.name()));
             on_change(phase, self.safety.lapse());
             (clock.phase, clock.since) = (phase, Instant::now());
         }

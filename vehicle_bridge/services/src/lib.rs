@@ -5,6 +5,7 @@
 //! Messages and the checks of what arrives are in the crate `protocol`.
 
 mod account;
+pub mod blackbox;
 pub mod bridge;
 mod bridge_run;
 pub mod car;
@@ -21,3 +22,4 @@ pub mod schedule;
 pub mod service;
 pub mod side;
 pub mod store;
+pub mod watchdog;

@@ -34,7 +34,7 @@ pub fn resolve(path: &Path, file: &MapFile, text: &str) -> Result<Mapping, Vec<P
     let mut sources = Vec::new();
     let mut problems = Vec::new();
     for name in &file.types {
-        match fs::read_to_string(folder.join(name.get_ref())) {
+        match fs::File::open(folder.join(name.get_ref())).and_then(Schema::read_text) {
             Ok(source) => sources.push((name.get_ref().as_str(), source)),
             Err(error) => {
                 let line = text.get(..name.span().start).map(|t| t.matches('\n').count() + 1);

@@ -17,6 +17,7 @@ use super::operator::{self, Authority};
 use super::pulse::{Place, Pulse};
 use super::schedule::Schedule;
 use super::store::Store;
+use auth::Seal;
 use hosting::timing::Stopwatch;
 use protocol::convert::{self, Answered, Order};
 use protocol::guard::{Accepted, Guard};
@@ -48,6 +49,8 @@ pub struct ServiceOptions {
     pub setup: lcm_types::Setup,
     /// The log behind the network; what it loses is in every heartbeat too.
     pub log: Option<Log>,
+    /// The key before the network; what it refused is in every life sign too.
+    pub seal: Option<Seal>,
     /// For the bench: steps that take longer.
     pub overrun: Option<Overrun>,
 }
@@ -366,6 +369,7 @@ impl Service {
         detail.extend(self.save_error.clone());
         detail.extend(self.grant.complaint());
         detail.extend(self.options.log.as_ref().and_then(Log::complaint));
+        detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
         self.pulse.update(|health| {
             health.state = state;
             health.counts = counts;

@@ -4,6 +4,7 @@ mod bench;
 mod export;
 mod fmu;
 mod hil;
+mod key;
 mod network;
 mod operator;
 mod optimum;
@@ -21,6 +22,7 @@ pub use bench::BenchArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
+pub use key::{KeyAction, KeyArgs};
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
@@ -91,6 +93,8 @@ pub enum Command {
     Doctor(DoctorArgs),
     /// Run a bench with injected faults and write its verdict
     Hil(HilArgs),
+    /// Make the key by which programs on a network know each other
+    Key(KeyArgs),
     /// Pack FMUs, or look into one
     Fmu(FmuArgs),
     /// Print a completion script for a shell

@@ -35,6 +35,10 @@ pub struct NetworkArgs {
     /// LCM network; by default that of LCM_DEFAULT_URL, else LCM's usual group on this host
     #[arg(long, value_name = "URL", global = true)]
     pub url: Option<String>,
+    /// Sign what is sent with the key in this file, and obey only what is signed with it; by default
+    /// that of LMPC_KEY, else none. `lmpc key new FILE` makes one
+    #[arg(long, value_name = "FILE", global = true)]
+    pub key: Option<PathBuf>,
 }
 
 impl NetworkArgs {
@@ -44,6 +48,13 @@ impl NetworkArgs {
         let environment = || std::env::var("LCM_DEFAULT_URL").ok();
         let chosen = self.url.clone().or_else(environment);
         chosen.filter(|url| !url.is_empty()).unwrap_or_else(|| DEFAULT_URL.to_owned())
+    }
+
+    /// The file of the key chosen here or by the environment.
+    #[must_use]
+    pub fn key(&self) -> Option<PathBuf> {
+        let environment = || std::env::var_os("LMPC_KEY").map(PathBuf::from);
+        self.key.clone().or_else(environment).filter(|path| !path.as_os_str().is_empty())
     }
 }
 

@@ -43,6 +43,17 @@ pub struct BridgeArgs {
     /// Event log of what it sends and receives, also while the network is down; appended if the file exists
     #[arg(long, value_name = "LOG")]
     pub log: Option<PathBuf>,
+    /// Folder of the black box, a recording that is always on; by default
+    /// $STATE_DIRECTORY/blackbox, else ~/.local/state/lmpc/blackbox; `off` for none
+    #[arg(long, value_name = "FOLDER")]
+    pub black_box: Option<PathBuf>,
+    /// Size of all files of the black box together; the oldest go
+    #[arg(long, default_value_t = 512, value_name = "MB",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub black_box_mb: u32,
+    /// Serial port or GPIO value file that gets 1 and 0 in turn at every tick, for a hardware relay
+    #[arg(long, value_name = "FILE")]
+    pub relay: Option<PathBuf>,
     /// How much later than due a command or state may come
     #[arg(long, default_value_t = 100, value_name = "MS",
           value_parser = clap::value_parser!(u32).range(20..=1000))]
@@ -50,6 +61,13 @@ pub struct BridgeArgs {
     /// Panic after this long in RUNNING, for the bench
     #[arg(long, hide = true, value_name = "S")]
     pub bench_panic_s: Option<f64>,
+    /// Faults of the simulated car are read from this file once it is there, for the bench; it tells
+    /// its true state on BENCH/TRUTH
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub bench_car: Option<PathBuf>,
+    /// Where the simulated car stands at the start, for the bench
+    #[arg(long, hide = true, value_name = "E_Y,E_PSI", allow_hyphen_values = true)]
+    pub bench_start: Option<String>,
     /// FIFO priority and locked memory, where the system grants them
     #[arg(long)]
     pub realtime: bool,

@@ -6,6 +6,7 @@ mod doctor;
 mod export;
 mod fmu;
 mod hil;
+mod key;
 mod network;
 mod operator;
 mod optimum;
@@ -82,6 +83,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),
+        Command::Key(args) => key::run(&args, talk),
         Command::Fmu(args) => fmu::run(&args, talk),
         Command::Completions(args) => {
             // Into memory first: the generator panics if its output is closed.

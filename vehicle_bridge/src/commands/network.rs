@@ -14,9 +14,11 @@ use vehicle_model::{Plant, PlantParams, State, Track};
 
 use super::{Outcome, setup, vehicle};
 use crate::cli::{
-    CarArgs, ControllerArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs,
+    CarArgs, ControllerArgs, FmuVehicleArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs,
+    SimArgs,
 };
 use crate::console::{Talk, WARN, paint, result};
+use auth::{Key, Seal, Signed};
 use hosting::realtime;
 use hosting::rule::FailureRule;
 use hosting::shutdown::{self, Shutdown};
@@ -36,6 +38,8 @@ use vehicle_host::Vehicle;
 
 /// A command may be used this many periods: one lost command does not stop the car.
 const VALID_PERIODS: f64 = 2.5;
+/// Of a network that leaves this host.
+const UNSIGNED: &str = "without a key (--key) every program on this network can command the car";
 /// In lock-step, how long the car waits for an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -54,7 +58,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     if let Some(path) = &args.learned {
         talk.say(&format!("{} laps loaded from {}", controller.laps().len(), path.display()));
     }
-    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, mut notes, seal) = connect(&args.network, args.realtime)?;
     let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
@@ -67,6 +71,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         notes,
         setup: setup_message(&args.controller, &controller)?,
         log,
+        seal,
         overrun: args.bench_overrun,
     };
     let stop = on_signal()?;
@@ -127,7 +132,7 @@ pub(super) fn sim(
         }
     };
     let rule = FailureRule::new(config, &options.track, vehicle.car(), options.limit);
-    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, mut notes, _) = connect(&args.network, args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
@@ -160,7 +165,7 @@ pub(super) fn sim(
 pub(super) fn car(args: &CarArgs, talk: Talk) -> Result<Outcome> {
     let mapping = map_file::load(&args.map)?;
     let car = load::car(&args.car)?;
-    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, mut notes, _) = connect(&args.network, args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
@@ -188,7 +193,7 @@ pub(super) fn car(args: &CarArgs, talk: Talk) -> Result<Outcome> {
 
 /// Records until Ctrl-C.
 pub(super) fn record(args: &RecordArgs, talk: Talk) -> Result<Outcome> {
-    let (network, notes) = connect(&args.network.url(), false)?;
+    let (network, notes, _) = connect(&args.network, false)?;
     for note in notes {
         talk.say(&paint(WARN, &format!("warning: {note}")));
     }
@@ -248,13 +253,30 @@ fn account(drive: &Drive, talk: Talk) {
 }
 
 /// The network, and what a person should know about it.
-pub(super) fn connect(url: &str, fifo: bool) -> Result<(Arc<dyn Transport>, Vec<String>)> {
+pub(super) fn connect(
+    args: &NetworkArgs,
+    fifo: bool,
+) -> Result<(Arc<dyn Transport>, Vec<String>, Option<Seal>)> {
+    let url = args.url();
+    // Before anything is sent without it.
+    let key = args.key().map(|path| Key::load(&path)).transpose()?;
+    #[cfg(feature = "liblcm")]
+    transport::liblcm::enter_environment(&url)?;
     // What it cannot have is reported once, for the loop.
     let start: ThreadStart = Box::new(|| drop(realtime::prioritise(realtime::RECEIVE_PRIORITY)));
-    let network = transport::open(url, fifo.then_some(start))
+    let network = transport::open(&url, fifo.then_some(start))
         .with_context(|| format!("cannot join the network {url}"))?;
-    let warnings = network.warnings().to_vec();
-    Ok((network, warnings))
+    let mut warnings = network.warnings().to_vec();
+    let Some(key) = key else {
+        let leaves = transport::Url::parse(&url).and_then(|url| url.udpm_options());
+        if leaves.is_ok_and(|options| options.ttl > 0) {
+            warnings.push(UNSIGNED.to_owned());
+        }
+        return Ok((network, warnings, None));
+    };
+    let signed = Signed::new(network, key)?;
+    let seal = signed.seal();
+    Ok((Arc::new(signed), warnings, Some(seal)))
 }
 
 /// The network with a log behind it, if one is wanted.

@@ -14,16 +14,21 @@ use super::network::{comparable, connect, logged, on_signal, real_time};
 use super::{Outcome, setup, vehicle};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
+use hil_bench::on_car::FaultyCar;
 use hosting::settings::Usage;
 use hosting::shutdown::Shutdown;
 use protocol::convert;
 use racing::RaceOptions;
 use safety::{Lapse, Phase, Rules};
+use services::blackbox::BlackBox;
 use services::bridge::Bridge;
 use services::map_file;
 use services::operator_client::{Answered, Held, Operator};
 use services::side::CarSide;
+use services::watchdog::Watchdog;
 use transport::Transport;
+use transport::record::{self, Log};
+use vehicle_host::Vehicle;
 
 /// Runs the bridge until Ctrl-C.
 pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
@@ -33,8 +38,10 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     rules.setup = comparable(&args.controller, &options.config, &options.track)?;
     rules.timeout_ns = i64::from(args.timeout_ms) * 1_000_000;
     check(args)?;
-    let (network, mut notes) = connect(&args.network.url(), args.realtime)?;
+    let (network, mut notes, seal) = connect(&args.network, args.realtime)?;
     let bare = Arc::clone(&network);
+    let watchdog = Watchdog::new(args.relay.as_deref())?;
+    let (network, recording) = black_box(network, args, &mut notes);
     let (network, log) = logged(network, args.log.as_deref())?;
     notes.extend(real_time(args.realtime));
     let tick = Duration::from_nanos(rules.tick_ns.unsigned_abs());
@@ -55,7 +62,8 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     ));
     let panic_after = args.bench_panic_s.map(Duration::from_secs_f64);
     let bridge = Bridge::new(rules, side, notes, &network)?.watching(&bare)?;
-    let mut bridge = bridge.with_log(log).with_panic(panic_after);
+    let bridge = bridge.with_log(log.or(recording)).with_seal(seal).with_panic(panic_after);
+    let mut bridge = bridge.with_watchdog(watchdog);
     let bridged = bridge.run(&shutdown, &mut |phase, lapse| {
         let why = if lapse == Lapse::None { String::new() } else { format!(" ({lapse})") };
         talk.say(&format!("{}{why}", phase.name()));
@@ -82,6 +90,33 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
         bail!("the bridge panicked (see above); the car was stopped first");
     }
     Ok(Outcome::Done)
+}
+
+/// The network with the black box behind it. A bridge without one drives all the same, and says so
+/// in every life sign.
+fn black_box(
+    network: Arc<dyn Transport>,
+    args: &BridgeArgs,
+    notes: &mut Vec<String>,
+) -> (Arc<dyn Transport>, Option<Log>) {
+    if args.black_box.as_deref() == Some(Path::new("off")) {
+        notes.push("no black box (--black-box off)".to_owned());
+        return (network, None);
+    }
+    let Some(folder) = args.black_box.clone().or_else(BlackBox::default_folder) else {
+        notes.push("no black box: neither HOME nor --black-box FOLDER names a folder".to_owned());
+        return (network, None);
+    };
+    let most = u64::from(args.black_box_mb) * 1_000_000;
+    let opened = BlackBox::open(&folder, most)
+        .and_then(|recording| record::recorded(Arc::clone(&network), recording));
+    match opened {
+        Ok((recorded, log)) => (recorded, Some(log)),
+        Err(error) => {
+            notes.push(format!("no black box: {error:#}"));
+            (network, None)
+        }
+    }
 }
 
 /// Whether the options of the car's side go together.
@@ -119,8 +154,24 @@ fn side(
         return Ok(CarSide::mapped(map_file::load(map)?, &options.track, network));
     }
     let params = PlantParams { seed: args.seed, ..options.plant.clone() };
-    let car = Plant::new(params, Arc::clone(&options.track), State::default())?;
-    Ok(CarSide::Simulated(Box::new(car)))
+    let start = match &args.bench_start {
+        None => State::default(),
+        Some(text) => {
+            let place = text.split_once(',').and_then(|(e_y, e_psi)| {
+                Some(State {
+                    e_y: e_y.parse().ok()?,
+                    e_psi: e_psi.parse().ok()?,
+                    ..State::default()
+                })
+            });
+            place.ok_or_else(|| Usage(format!("--bench-start {text}: expected E_Y,E_PSI")))?
+        }
+    };
+    let car: Box<dyn Vehicle> = Box::new(Plant::new(params, Arc::clone(&options.track), start)?);
+    Ok(CarSide::Simulated(match &args.bench_car {
+        Some(file) => Box::new(FaultyCar::new(car, file, network)),
+        None => car,
+    }))
 }
 
 /// Gives an order.
@@ -140,7 +191,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
         OperatorOrder::Reset => (OperatorCommand::ESTOP_RESET, 0.0, 0),
         OperatorOrder::SpeedCap { value } => (OperatorCommand::SET_SPEED_CAP, value, 0),
     };
-    let (network, _) = connect(&args.network.url(), false)?;
+    let (network, ..) = connect(&args.network, false)?;
     let mut order = OperatorCommand { command, value, arm_token, ..OperatorCommand::default() };
     let mut operator = Operator::new(&network)?;
     if !held {

@@ -11,7 +11,7 @@ use anyhow::Result;
 use super::Outcome;
 use super::network::{connect, on_signal};
 use crate::cli::TopArgs;
-use crate::console::{Talk, result};
+use crate::console::{Talk, harmless, result};
 use crate::top::{Snapshot, Watch, draw};
 use transport::{Filter, Message};
 
@@ -29,7 +29,7 @@ const SIZE: (usize, usize) = (100, 40);
 /// Shows the network until Ctrl-C, or once.
 pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
     let url = args.network.url();
-    let (network, notes) = connect(&url, false)?;
+    let (network, notes, _) = connect(&args.network, false)?;
     for note in &notes {
         talk.say(note);
     }
@@ -74,7 +74,8 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
         let shown: Vec<String> = lines
             .iter()
             .take(height)
-            .map(|line| if plain { strip_str(line).to_string() } else { line.clone() })
+            .map(|line| harmless(line).replace('\n', "\\n"))
+            .map(|line| if plain { strip_str(&line).to_string() } else { line })
             .map(|line| line + CLEAR_LINE)
             .collect();
         let painted = write!(screen, "{HOME}{}{CLEAR_BELOW}", shown.join("\r\n"));

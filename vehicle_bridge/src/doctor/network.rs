@@ -26,8 +26,26 @@ pub(super) fn route(url: &str) -> Finding {
     match heard() {
         Ok(true) => Finding::ok(SUBJECT, format!("{url}: heard own message")),
         Ok(false) => Finding::fail(SUBJECT, format!("{url}: own message did not come back"), ROUTE),
-        Err(error) => Finding::fail(SUBJECT, error.to_string(), ROUTE),
+        Err(error) => {
+            let fix = if is_taken(&error) { taken(url) } else { ROUTE.to_owned() };
+            Finding::fail(SUBJECT, error.to_string(), fix)
+        }
     }
+}
+
+/// Whether another program has the port and does not share it.
+fn is_taken(error: &transport::Error) -> bool {
+    use std::io::ErrorKind::AddrInUse;
+    matches!(error, transport::Error::Socket { source, .. } if source.kind() == AddrInUse)
+}
+
+/// What to do about a port that is taken.
+fn taken(url: &str) -> String {
+    let options = Url::parse(url).and_then(|url| url.udpm_options());
+    let port = options.map_or(7667, |options| options.group.port());
+    format!(
+        "`ss -ulpn sport = :{port}` names the program that has the port; end it, or choose another"
+    )
 }
 
 /// Whether the kernel grants the receive buffer asked for.
@@ -60,17 +78,42 @@ pub(super) fn buffer(url: &str) -> Finding {
     }
 }
 
-/// The version of liblcm that this process runs with, told by the file it was loaded from.
+/// The version of liblcm that a URL other than `udpm://` would get, by the file it is loaded from.
 pub(super) fn liblcm() -> Finding {
     const SUBJECT: &str = "liblcm";
     if !cfg!(feature = "liblcm") {
         let found = "not built in: only udpm:// works";
-        return Finding::warn(SUBJECT, found, "build with --features liblcm (needs liblcm-dev)");
+        return Finding::warn(SUBJECT, found, "build with --features liblcm");
+    }
+    #[cfg(feature = "liblcm")]
+    if let Err(e) = transport::liblcm::available() {
+        let found = format!("not found: only udpm:// works ({e})");
+        return Finding::warn(SUBJECT, found, "apt-get install liblcm1");
     }
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let file = maps.split_whitespace().find(|word| word.contains("liblcm.so"));
     match file {
         Some(file) => Finding::ok(SUBJECT, format!("{file} (udpm:// does not use it)")),
         None => Finding::warn(SUBJECT, "not loaded", "apt-get install liblcm1"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use std::net::UdpSocket;
+
+    use super::*;
+    use crate::doctor::Level;
+
+    #[test]
+    fn a_port_that_is_taken_is_no_missing_route() {
+        // Bound without sharing it, as programs other than LCM's do.
+        let owner = UdpSocket::bind("0.0.0.0:0").unwrap();
+        let port = owner.local_addr().unwrap().port();
+        let found = route(&format!("udpm://239.255.76.67:{port}?ttl=0"));
+        assert_eq!(found.level, Level::Fail);
+        assert!(found.fix.contains(&format!("ss -ulpn sport = :{port}")), "{found:?}");
+        assert!(!found.fix.contains("ip route"), "{found:?}");
     }
 }

@@ -25,6 +25,8 @@ pub(crate) fn isolated(test: &str, setup: &str, url: &str, body: impl FnOnce()) 
         .args(["--exact", test, "--nocapture"])
         .env("LMPC_ISOLATED", "1")
         .env("LCM_DEFAULT_URL", url)
+        // Black boxes.
+        .env("XDG_STATE_HOME", env!("CARGO_TARGET_TMPDIR"))
         .output()
         .expect("`unshare` of util-linux, see tools/setup.sh");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

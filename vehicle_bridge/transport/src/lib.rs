@@ -19,6 +19,8 @@ mod error;
 mod inbox;
 #[cfg(feature = "liblcm")]
 pub mod liblcm;
+#[cfg(feature = "liblcm")]
+mod liblcm_loaded;
 mod reassembly;
 pub mod record;
 mod statistics;

@@ -75,6 +75,14 @@ pub fn enter_environment(url: &str) -> Result<(), Error> {
     Err(failed(Command::new(program).args(arguments).env(VARIABLE, url.for_liblcm()).exec()))
 }
 
+/// Whether liblcm is on this computer: loads it, if that was not done yet.
+///
+/// # Errors
+/// What the system says if it cannot be loaded.
+pub fn available() -> io::Result<()> {
+    super::liblcm_loaded::load()
+}
+
 impl Liblcm {
     /// Connects as `url` says, which must also be in the environment: see [`enter_environment`].
     ///
@@ -91,6 +99,12 @@ impl Liblcm {
             source,
             hint: "",
         };
+        available().map_err(|source| Error::Socket {
+            step: "loading liblcm",
+            target: url.to_string(),
+            source,
+            hint: "; apt-get install liblcm1",
+        })?;
         let wake = Arc::new(EventFd::new().map_err(|e| failed(e.into()))?);
         let (orders, incoming) = sync_channel(SEND_QUEUE);
         let (dispatcher, subscriber) = Dispatcher::new();

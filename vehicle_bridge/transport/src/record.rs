@@ -1,7 +1,7 @@
 //! Event logs: of all messages on a network, or of what one program sends and receives.
 
 use std::fs::{File, OpenOptions};
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -82,7 +82,18 @@ impl Log {
 pub fn logged(network: Arc<dyn Transport>, path: &Path) -> Result<(Arc<dyn Transport>, Log)> {
     let file = OpenOptions::new().create(true).append(true).open(path);
     let file = file.with_context(|| format!("cannot write the log {}", path.display()))?;
-    let log = Arc::new(writer(file)?);
+    recorded(network, file)
+}
+
+/// [`logged`], into anything that can be written.
+///
+/// # Errors
+/// If the writing thread cannot be started.
+pub fn recorded(
+    network: Arc<dyn Transport>,
+    out: impl Write + Send + 'static,
+) -> Result<(Arc<dyn Transport>, Log)> {
+    let log = Arc::new(writer(out)?);
     Ok((Arc::new(Logged { network, log: Arc::clone(&log) }), Log(log)))
 }
 
@@ -90,8 +101,8 @@ fn lock(log: &Mutex<Option<BackgroundWriter>>) -> MutexGuard<'_, Option<Backgrou
     log.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn writer(file: File) -> Result<BackgroundWriter> {
-    Ok(BackgroundWriter::new(BufWriter::with_capacity(BUFFER, file), WAITING)?)
+fn writer(out: impl Write + Send + 'static) -> Result<BackgroundWriter> {
+    Ok(BackgroundWriter::new(BufWriter::with_capacity(BUFFER, out), WAITING)?)
 }
 
 struct Logged {
@@ -101,16 +112,17 @@ struct Logged {
 
 impl Transport for Logged {
     fn publish(&self, channel: &str, payload: &[u8]) -> Result<(), Error> {
-        let sent = self.network.publish(channel, payload);
+        // First: the answer may come before this thread goes on.
         self.log.push(transport::now().utime, channel, payload);
-        sent
+        self.network.publish(channel, payload)
     }
 
     fn subscribe(&self, filter: Filter, mut sink: Box<dyn Sink>) -> Result<(), Error> {
         let log = Arc::clone(&self.log);
         let both = move |message: &Message<'_>| {
-            sink.deliver(message);
+            // First: whoever waits for the message may answer before this thread goes on.
             log.push(message.arrival.utime, message.channel, message.payload);
+            sink.deliver(message);
         };
         self.network.subscribe(filter, Box::new(both))
     }

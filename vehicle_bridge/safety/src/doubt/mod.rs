@@ -3,6 +3,7 @@
 //! A rule gives a level: 0 is agreement, 1 its limit. The worst level decides what is done about it:
 //! report, slow down, safe stop.
 
+mod bank;
 mod limits;
 mod motion;
 pub(super) mod response;
@@ -10,11 +11,13 @@ mod room;
 #[cfg(test)]
 pub(crate) use room::beyond;
 
+pub(super) use bank::Steering;
 pub use limits::DoubtLimits;
 
 use vehicle_model::{Input, State};
 
 use super::rules::Rules;
+use bank::Bank;
 use motion::Motion;
 use response::Response;
 
@@ -93,6 +96,7 @@ impl Finding {
 pub(super) struct Doubt {
     motion: Motion,
     response: Response,
+    bank: Bank,
     /// Reckoned on while the states are doubted, else the last state.
     trusted: Option<State>,
     pub(super) finding: Finding,
@@ -110,6 +114,7 @@ impl Doubt {
     ) -> Finding {
         let motion = self.motion.on_state(rules, limits, before, x, dt);
         let response = self.response.on_state(rules, limits, x, applied, dt);
+        let bank = self.bank.on_state(rules, limits, (before, x), &self.response, dt);
         let room = room::finding(rules, limits, x);
         let trusted = self.trusted.unwrap_or(*before);
         self.trusted = Some(if motion.level < TRUSTED {
@@ -117,8 +122,26 @@ impl Doubt {
         } else {
             super::stop::reckon(rules, &trusted, applied, dt)
         });
-        self.finding = motion.or(response).or(room);
+        self.finding = motion.or(response).or(bank).or(room);
         self.finding
+    }
+
+    /// Goes on to learn what is wrong with the steering, while the car is being stopped for it.
+    pub(super) fn on_stop(
+        &mut self,
+        rules: &Rules,
+        limits: &DoubtLimits,
+        (before, x): (&State, &State),
+        applied: Input,
+        dt: f64,
+    ) {
+        self.response.follow(rules, applied, dt);
+        self.bank.on_state(rules, limits, (before, x), &self.response, dt);
+    }
+
+    /// What is wrong with a steering that is doubted.
+    pub(super) fn steering(&self) -> Steering {
+        self.bank.steering()
     }
 
     /// The last state that agreed with those before it, reckoned on to the present.
