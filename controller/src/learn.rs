@@ -107,7 +107,7 @@ impl Controller {
         memory.dataset.laps = learned.laps;
         let learning = |lap: &&Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Learning;
         memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;
-        memory.learning = memory.valid_laps() >= self.setup.config.warm_up.laps;
+        memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
         self.memory = memory;
         self.setup.model.model.grip = learned.grip;
         self.derive();

@@ -13,6 +13,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod actuator;
+mod adopt;
 mod affine;
 pub mod config;
 mod controller;
@@ -34,6 +35,7 @@ mod status;
 mod store;
 mod tracking;
 
+pub use adopt::DrivenStep;
 pub use affine::Affine;
 pub use config::Config;
 pub use controller::Controller;

@@ -12,6 +12,7 @@ pub mod console;
 pub mod doctor;
 pub mod export;
 pub mod hil;
+pub mod laps;
 pub mod mapping;
 pub mod network;
 pub mod optimal;

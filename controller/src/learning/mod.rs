@@ -3,6 +3,7 @@
 pub mod dataset;
 pub(crate) mod envelope;
 pub(crate) mod grip;
+pub mod inverse;
 pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;

@@ -4,6 +4,7 @@ mod bench;
 mod export;
 mod fmu;
 mod hil;
+mod learn;
 mod network;
 mod operator;
 mod optimum;
@@ -21,6 +22,7 @@ pub use bench::BenchArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
+pub use learn::LearnArgs;
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
@@ -65,6 +67,8 @@ pub enum Command {
     Study(Box<StudyArgs>),
     /// Find the time-optimal lap of a car on a track
     Optimum(OptimumArgs),
+    /// Learn from laps that a person or another program drove
+    Learn(Box<LearnArgs>),
     /// Serve the controller on an LCM network
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network

@@ -6,6 +6,7 @@ mod doctor;
 mod export;
 mod fmu;
 mod hil;
+mod learn;
 mod network;
 mod operator;
 mod optimum;
@@ -59,6 +60,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
         Command::Optimum(args) => optimum::run(&args, talk),
+        Command::Learn(args) => learn::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
             Vehicle::Sim(args) => network::sim(&args, None, talk),
