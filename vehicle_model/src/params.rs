@@ -6,6 +6,8 @@
 
 mod check;
 mod file;
+mod keys;
+mod tyre_file;
 
 use serde::{Deserialize, Serialize};
 
@@ -92,6 +94,9 @@ pub struct CarParams {
     pub drive_force_max: Option<f64>,
     /// Limit of braking force; `None` is off [N].
     pub brake_force_max: Option<f64>,
+    /// Top speed that gearing or a governor allows; `None` is off [m/s].
+    #[serde(default)]
+    pub speed_max: Option<f64>,
     /// Body length [m].
     pub length: f64,
     /// Body width [m].
@@ -153,6 +158,10 @@ impl CarParams {
         let mut hash = Fnv1a::new();
         for value in self.numbers() {
             hash.write(value.to_bits());
+        }
+        // Absent it adds nothing: cars without it keep the fingerprint they had.
+        if let Some(speed) = self.speed_max {
+            hash.write(speed.to_bits());
         }
         for switch in [self.front_force_yaw, self.combined_slip] {
             hash.write(u64::from(switch));

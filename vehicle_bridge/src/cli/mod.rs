@@ -1,6 +1,7 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
 mod bench;
+mod car;
 mod export;
 mod fmu;
 mod hil;
@@ -19,6 +20,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bench::BenchArgs;
+pub use car::{CarAction, CarFileArgs, NewCarArgs};
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
@@ -89,6 +91,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// Show, convert or make tracks: what an import changes, before and after
     Track(TrackArgs),
+    /// Begin a car file
+    Car(CarFileArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix

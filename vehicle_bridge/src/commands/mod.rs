@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod bench;
+mod car;
 mod check;
 mod doctor;
 mod export;
@@ -76,6 +77,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Export(args) => export::run(&args, talk),
         Command::Bench(args) => bench::run(&args, talk),
         Command::Track(args) => track::run(&args),
+        Command::Car(args) => car::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),

@@ -8,6 +8,8 @@ use crate::params::{CarParams, GRAVITY};
 const ROLLING_FADE_SPEED: f64 = 0.05;
 /// Lowest speed at which a power limit is evaluated [m/s].
 const MIN_POWER_SPEED: f64 = 0.5;
+/// How fast driving gives way to what holds the top speed as that comes near [1/s].
+const GOVERNOR_GAIN: f64 = 5.0;
 /// An axle never lifts off completely: least share of its static load.
 const MIN_LOAD_SHARE: f64 = 0.02;
 
@@ -39,7 +41,8 @@ pub(super) struct Longitudinal<T> {
 pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitudinal<T> {
     let braking = a.below(0.0);
     let front_acts = car.drive_front != 0.0 || car.brake_front != 0.0;
-    let a = limited(car, v_x, a, braking);
+    let resistance = resistance(car, v_x);
+    let a = limited(car, v_x, a, braking, resistance);
     let axle = if front_acts {
         let (brake, drive) = (car.brake_front, car.drive_front);
         [
@@ -49,12 +52,12 @@ pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitud
     } else {
         [a.constant(0.0), a]
     };
-    Longitudinal { axle, front_acts, resistance: resistance(car, v_x) }
+    Longitudinal { axle, front_acts, resistance }
 }
 
 /// The commanded acceleration inside the limits of engine and brakes.
 #[inline(always)]
-fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
+fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>, resistance: Option<T>) -> T {
     let mut driven = a;
     if let Some(force) = car.drive_force_max {
         let most = force / car.mass;
@@ -65,6 +68,14 @@ fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
         let speed = T::select(v_x.above(MIN_POWER_SPEED), v_x, slow);
         let most = speed.recip() * (power / car.mass);
         driven = T::select(most.real().less(driven.real()), most, driven);
+    }
+    if let Some(top) = car.speed_max {
+        let mut most = (-v_x + top) * GOVERNOR_GAIN;
+        if let Some(resistance) = resistance {
+            most = most + resistance;
+        }
+        driven = T::select(most.real().less(driven.real()), most, driven);
+        driven = T::select(driven.below(0.0), a.constant(0.0), driven);
     }
     let mut braked = a;
     if let Some(force) = car.brake_force_max {
