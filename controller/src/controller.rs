@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
+use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track, Tracker};
 
 use crate::actuator::Actuators;
 use crate::config::{Config, NominalModel};
@@ -17,7 +17,6 @@ use crate::observe::Observer;
 use crate::optimize::Workspace;
 use crate::plan::Plan;
 use crate::status::{Command, Measurement, Phase, Probe, Reason, Status};
-use crate::tracking::Tracker;
 
 /// Learning model predictive controller.
 ///

@@ -33,7 +33,6 @@ mod presets;
 mod snapshot;
 mod status;
 mod store;
-mod tracking;
 
 pub use adopt::DrivenStep;
 pub use affine::Affine;
@@ -49,4 +48,3 @@ pub use status::{
     Status,
 };
 pub use store::Learned;
-pub use tracking::Tracker;

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use driven_laps::InputSource;
 
 use super::ControllerArgs;
-use crate::laps::InputSource;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,7 +34,7 @@ pub struct LearnArgs {
     pub out: PathBuf,
     /// Which recorded inputs are used
     #[arg(long, value_enum, default_value_t, value_name = "SOURCE")]
-    pub inputs: InputSource,
+    pub inputs: InputsName,
     /// Take the states as they are
     #[arg(long)]
     pub no_smooth: bool,
@@ -44,4 +44,29 @@ pub struct LearnArgs {
     /// Print the account as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Names of the sources of inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum InputsName {
+    /// Those of the recording if it has any, else reckoned ones.
+    #[default]
+    Auto,
+    /// The recording's, taken for commands: they act after the delay and the lag of the actuators.
+    Commanded,
+    /// The recording's, taken for what acted.
+    Applied,
+    /// Reckoned from the states by inverse dynamics.
+    Reckoned,
+}
+
+impl From<InputsName> for InputSource {
+    fn from(name: InputsName) -> Self {
+        match name {
+            InputsName::Auto => Self::Auto,
+            InputsName::Commanded => Self::Commanded,
+            InputsName::Applied => Self::Applied,
+            InputsName::Reckoned => Self::Reckoned,
+        }
+    }
 }

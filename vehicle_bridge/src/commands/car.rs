@@ -6,10 +6,11 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, bail};
 
+use hosting::load;
+
 use super::Outcome;
 use crate::cli::{CarAction, CarFileArgs, NewCarArgs};
 use crate::console::result;
-use crate::race::load;
 
 /// Does what the options say.
 pub(super) fn run(args: &CarFileArgs) -> Result<Outcome> {

@@ -2,14 +2,14 @@
 
 use anyhow::{Result, bail};
 use controller::Controller;
+use driven_laps::{Driven, LapAccount, Recording};
+use hosting::learned;
 use serde_json::json;
 use vehicle_model::Track;
 
 use super::{Outcome, setup};
 use crate::cli::LearnArgs;
 use crate::console::{BAD, BEST, SOFT, Talk, paint, result};
-use crate::laps::{self, Driven, LapAccount, Recording};
-use crate::race::learned;
 
 /// A drive of which less than this share is inside the track is in another frame.
 const LEAST_INSIDE: f64 = 0.5;
@@ -18,8 +18,13 @@ const LEAST_INSIDE: f64 = 0.5;
 pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 1, talk)?;
     let (config, car, track) = (options.config, options.nominal, options.track);
-    let recording = laps::read(&args.file, &args.channel)?;
-    let driven = laps::drive(&recording, args.inputs, !args.no_smooth, (&config, &car, &track));
+    let recording = driven_laps::read(&args.file, &args.channel)?;
+    let driven = driven_laps::drive(
+        &recording,
+        args.inputs.into(),
+        !args.no_smooth,
+        (&config, &car, &track),
+    );
     refuse(args, &driven, &track)?;
     let mut controller = Controller::new(config, car, track)?;
     let closed = controller.adopt(&driven.steps);
