@@ -121,7 +121,7 @@ impl Controller {
         if !self.memory.shifted {
             let (model, track) = (&self.setup.model, &self.setup.track);
             let tail = self.memory.plan_tail;
-            self.memory.plan.shift(tail, |x, u| model.next(x, u, track.kappa_along()));
+            self.memory.plan.shift(tail, |x, u| model.next(x, u, track.road()));
             self.memory.shifted = true;
         }
         self.work.prepare(&self.setup, &self.memory, probe);

@@ -67,7 +67,7 @@ impl Controller {
             if !error {
                 return next;
             }
-            let f = model.next(x, u, track.kappa_along());
+            let f = model.next(x, u, track.road());
             [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
         })
     }

@@ -18,6 +18,7 @@ mod number;
 pub mod outline;
 pub mod params;
 pub mod plant;
+pub mod road;
 pub mod slip;
 pub mod state;
 pub mod track;
@@ -35,6 +36,7 @@ pub use model::{
 pub use outline::{BodyPoint, Extent, Outline};
 pub use params::{CarParams, GRAVITY, ParamProblem, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
+pub use road::{Road, RoadPoint, Surface};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};
 pub use track::{Projection, Segment, Track, TrackError};

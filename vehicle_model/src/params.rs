@@ -18,6 +18,9 @@ pub use check::ParamProblem;
 /// Standard gravity, as the reference numbers use it [m/s^2].
 pub const GRAVITY: f64 = 9.81;
 
+/// How fast driving gives way to what holds the top speed as that comes near \[1/s\].
+pub const GOVERNOR_GAIN: f64 = 20.0;
+
 /// Lateral tyre of one axle: F_y = D sin(C atan(B alpha)) with D = mu F_z (Pacejka 2012, eq. 4.6,
 /// without curvature term).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

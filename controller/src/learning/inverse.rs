@@ -53,7 +53,7 @@ pub fn input(model: &Discretized, track: &Track, period: &Period) -> (Input, f64
     let (mut missed, mut best) = cost(model, track, period, u, guess, limits);
     let mut damping = 0.0;
     for _ in 0..STEPS {
-        let step = model.linearize(x, &Input::from_vector(&u), track.kappa_along());
+        let step = model.linearize(x, &Input::from_vector(&u), track.road());
         let mut hessian = Matrix2::identity() * PULL;
         let mut gradient = (guess - u).component_div(&limits) * PULL;
         for row in 0..3 {
@@ -90,7 +90,7 @@ fn cost(
     guess: Vector2<f64>,
     limits: Vector2<f64>,
 ) -> (f64, f64) {
-    let reached = model.next(&period.x, &Input::from_vector(&u), track.kappa_along());
+    let reached = model.next(&period.x, &Input::from_vector(&u), track.road());
     let reached = [reached.v_x, reached.v_y, reached.omega_z];
     let miss = |row: usize| (period.next[row] - reached[row]) / SCALES[row];
     let missed: f64 = (0..3).map(|row| miss(row) * miss(row)).sum();

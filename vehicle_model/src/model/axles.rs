@@ -1,15 +1,14 @@
 //! Longitudinal forces and vertical loads of the two axles.
 
+use super::Ground;
 use crate::number::{Mask, Number, Real};
-use crate::params::{CarParams, GRAVITY};
+use crate::params::{CarParams, GOVERNOR_GAIN, GRAVITY};
 
 /// Speed below which rolling resistance fades to zero, so that it stops a car and does not push
 /// it [m/s].
 const ROLLING_FADE_SPEED: f64 = 0.05;
 /// Lowest speed at which a power limit is evaluated [m/s].
 const MIN_POWER_SPEED: f64 = 0.5;
-/// How fast driving gives way to what holds the top speed as that comes near [1/s].
-const GOVERNOR_GAIN: f64 = 5.0;
 /// An axle never lifts off completely: least share of its static load.
 const MIN_LOAD_SHARE: f64 = 0.02;
 
@@ -38,10 +37,15 @@ pub(super) struct Longitudinal<T> {
 
 /// Splits the commanded acceleration between the axles, inside power and force limits.
 #[inline(always)]
-pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitudinal<T> {
+pub(super) fn longitudinal<T: Number>(
+    car: &CarParams,
+    v_x: T,
+    a: T,
+    below: Option<&Ground<T>>,
+) -> Longitudinal<T> {
     let braking = a.below(0.0);
     let front_acts = car.drive_front != 0.0 || car.brake_front != 0.0;
-    let resistance = resistance(car, v_x);
+    let resistance = resistance(car, v_x, below);
     let a = limited(car, v_x, a, braking, resistance);
     let axle = if front_acts {
         let (brake, drive) = (car.brake_front, car.drive_front);
@@ -87,7 +91,7 @@ fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>, resistanc
 
 /// Deceleration by drag, rolling resistance and the studies' linear drag.
 #[inline(always)]
-fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
+fn resistance<T: Number>(car: &CarParams, v_x: T, below: Option<&Ground<T>>) -> Option<T> {
     let drag = 0.5 * car.rho * car.cd * car.area / car.mass;
     if drag == 0.0 && car.rolling == 0.0 && car.linear_drag == 0.0 {
         return None;
@@ -95,7 +99,8 @@ fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
     let mut sum = v_x * v_x.abs() * drag + v_x * car.linear_drag;
     if car.rolling != 0.0 {
         let speed = (v_x * v_x + ROLLING_FADE_SPEED * ROLLING_FADE_SPEED).sqrt();
-        sum = sum + v_x * speed.recip() * (car.rolling * GRAVITY);
+        let rolling = v_x * speed.recip() * (car.rolling * GRAVITY);
+        sum = sum + below.map_or(rolling, |below| rolling * below.load);
     }
     Some(sum)
 }
@@ -106,9 +111,13 @@ pub(super) fn vertical_loads<T: Number>(
     car: &CarParams,
     v_x: T,
     along: &Longitudinal<T>,
+    below: Option<&Ground<T>>,
 ) -> [T; 2] {
     let fixed = car.static_loads();
     let mut loads = [v_x.constant(fixed[0]), v_x.constant(fixed[1])];
+    if let Some(below) = below {
+        loads = fixed.map(|fixed| below.load * fixed);
+    }
     let pressure = 0.5 * car.rho * car.area;
     for (load, cl) in loads.iter_mut().zip([car.cl_front, car.cl_rear]) {
         if pressure * cl != 0.0 {
