@@ -57,7 +57,7 @@ impl Controller {
         let model = Discretized { model: Model::new(kind, car.clone()), dt, substeps };
         Ok(Self {
             memory: Memory::new(&config),
-            work: Workspace::new(&config, &car),
+            work: Workspace::new(&config, &car, &track),
             prepared: false,
             setup: Setup {
                 tracker: Tracker::new(&car),

@@ -8,3 +8,4 @@ pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;
 pub mod safe_set;
+pub(crate) mod speed_limit;

@@ -32,10 +32,6 @@ pub(super) fn race(args: &ControllerArgs, laps: u32, talk: Talk) -> Result<RaceO
         let see = format!("`lmpc track show {}` lists them", args.track);
         talk.say(&paint(SOFT, &format!("{}: {more} more changes; {see}", args.track)));
     }
-    if !track.stations().is_empty() {
-        let text = "its bank, slope, friction and speed limits have no effect on the car yet";
-        talk.say(&paint(WARN, &format!("warning: {}: {text}", args.track)));
-    }
     for problem in track.problems_for(&car) {
         if matches!(problem, TrackError::TooNarrow { .. }) {
             bail!("{} does not fit on {}: {problem}", args.car, args.track);
