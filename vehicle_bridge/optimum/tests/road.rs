@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use optimum::{Optimum, Options, solve};
-use vehicle_model::track::Station;
+use vehicle_model::track::{Station, wrap_angle};
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, Segment, Track};
 
 const RADIUS: f64 = 3.0;
@@ -13,7 +13,7 @@ const STRAIGHT: f64 = 8.0;
 
 fn oval() -> Track {
     let straight = Segment::straight(STRAIGHT);
-    let bend = Segment::arc(PI * RADIUS, 1.0 / RADIUS);
+    let bend = Segment::arc(RADIUS, PI);
     Track::from_segments("oval", &[straight, bend, straight, bend], 0.5, 0.5).unwrap()
 }
 
@@ -48,31 +48,45 @@ fn lap(car: &CarParams, track: &Track) -> Optimum {
     lap
 }
 
-/// Lap time of a point mass along the centre line: bends at the limit of grip, straights with full
-/// drive and brakes.
-fn point_mass(car: &CarParams, track: &Track) -> f64 {
-    let n = 20_000;
-    let ds = track.length() / n as f64;
-    let mu = car.tyre_front.mu;
-    let at = |i: usize| RoadPoint::of(&track.road(), (i as f64 + 0.5) * ds);
-    let mut v: Vec<f64> =
-        (0..n).map(|i| at(i).corner_speed(at(i).kappa, mu, 0.0).min(50.0)).collect();
+/// Lap time of a point mass on the line of a lap: bends at the limit of grip, between them full drive
+/// and brakes.
+fn point_mass(car: &CarParams, track: &Track, lap: &Optimum) -> f64 {
+    // The last point is the first one lap later.
+    let points = &lap.points[..lap.points.len() - 1];
+    let n = points.len();
+    let poses: Vec<_> = points.iter().map(|p| track.to_global(&p.x)).collect();
+    let course = |i: usize| poses[i].psi + (points[i].x.v_y / points[i].x.v_x).atan();
+    let length: Vec<f64> = (0..n)
+        .map(|i| {
+            let (a, b) = (&poses[i], &poses[(i + 1) % n]);
+            (b.x - a.x).hypot(b.y - a.y)
+        })
+        .collect();
+    let mut v: Vec<f64> = (0..n)
+        .map(|i| {
+            let before = (i + n - 1) % n;
+            let turned = wrap_angle(course((i + 1) % n) - course(before));
+            let kappa = turned / (length[before] + length[i]);
+            RoadPoint::of(&track.road(), points[i].x.s).corner_speed(kappa, car.tyre_front.mu, 0.0)
+        })
+        .collect();
     for i in 0..2 * n {
         let next = (i + 1) % n;
-        v[next] = v[next].min((v[i % n].powi(2) + 2.0 * car.a_max * ds).sqrt());
+        v[next] = v[next].min((v[i % n].powi(2) + 2.0 * car.a_max * length[i % n]).sqrt());
     }
     for i in (0..2 * n).rev() {
         let next = (i + 1) % n;
-        v[i % n] = v[i % n].min((v[next].powi(2) - 2.0 * car.a_min * ds).sqrt());
+        v[i % n] = v[i % n].min((v[next].powi(2) - 2.0 * car.a_min * length[i % n]).sqrt());
     }
-    v.iter().map(|v| ds / v).sum()
+    (0..n).map(|i| 2.0 * length[i] / (v[i] + v[(i + 1) % n])).sum()
 }
 
 #[test]
 fn a_banked_oval_is_faster_by_what_a_point_mass_says() {
     let car = CarParams::builtin("barc").unwrap();
-    let (flat, steep) = (lap(&car, &oval()).lap_time, lap(&car, &banked()).lap_time);
-    let expected = point_mass(&car, &banked()) / point_mass(&car, &oval());
+    let (flat, steep) = (lap(&car, &oval()), lap(&car, &banked()));
+    let expected = point_mass(&car, &banked(), &steep) / point_mass(&car, &oval(), &flat);
+    let (flat, steep) = (flat.lap_time, steep.lap_time);
     let found = steep / flat;
     println!("flat {flat:.4} s, banked {steep:.4} s, ratio {found:.4}, point mass {expected:.4}");
     assert!(expected < 0.95);

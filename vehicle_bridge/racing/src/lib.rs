@@ -4,6 +4,7 @@
 
 pub mod files;
 mod plant;
+pub mod raceline;
 pub mod record;
 pub mod words;
 
