@@ -155,6 +155,17 @@ fn write_poses(path: &Path, rows: &[Row]) {
     }
 }
 
+/// As a logger beside the driver's program has it: states, and the commands.
+fn write_commands(path: &Path, rows: &[Row]) {
+    let mut out = File::create(path).unwrap();
+    writeln!(out, "time_s,x_m,y_m,psi_rad,v_x_mps,v_y_mps,omega_z_radps,a_mps2,delta_rad").unwrap();
+    for Row { time, measured: m, command: u, .. } in rows {
+        let (place, speeds) = ((m.x, m.y, m.psi), (m.v_x, m.v_y, m.omega_z));
+        write!(out, "{time},{},{},{},", place.0, place.1, place.2).unwrap();
+        writeln!(out, "{},{},{},{},{}", speeds.0, speeds.1, speeds.2, u.a, u.delta).unwrap();
+    }
+}
+
 fn lmpc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
 }
@@ -188,6 +199,18 @@ fn the_first_learned_lap_is_faster_than_the_drivers_best() {
         assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));
         assert!(times[2] < times[0], "{times:?}");
     }
+}
+
+#[test]
+fn commands_do_where_nothing_was_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = drive(6, 2.2, SensorNoise::default());
+    let table = folder.path().join("drive.csv");
+    write_commands(&table, &rows);
+    let (account, times) = learn_and_race(folder.path(), &table, &[]);
+    println!("{account}driver {:.3}, then {times:?}", best(&rows));
+    assert!(account.contains("inputs recorded commands"), "{account}");
+    assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));
 }
 
 #[test]
