@@ -99,10 +99,11 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("lcm_types", "crc32fast thiserror"),
     (
         "vehicle_bridge",
-        "anstream anstyle anyhow auth clap clap_complete comfy-table controller fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anstyle anyhow auth clap clap_complete comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
+    ("vehicle_bridge/driven_laps", "anyhow controller csv lcm_types vehicle_model"),
     (
         "vehicle_bridge/hil_bench",
         "anyhow auth controller hosting lcm_types nix protocol rand rand_distr rand_pcg serde serde_json socket2 svg_page transport vehicle_host vehicle_model",
@@ -140,7 +141,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "vehicle_bridge/vehicle_host",
         "fmi fmu_core libloading log roxmltree serde tempfile thiserror toml vehicle_model zip",
     ),
-    ("vehicle_model", "libm nalgebra pulp rand rand_pcg serde serde_json thiserror toml"),
+    ("vehicle_model", "libm nalgebra pulp rand rand_pcg serde serde_json strsim thiserror toml"),
 ];
 
 /// Crates without files, environment, clock, threads, network.

@@ -60,7 +60,7 @@ impl Controller {
         let model = Discretized { model: Model::new(kind, nominal), dt, substeps };
         Ok(Self {
             memory: Memory::new(&config),
-            work: Workspace::new(&config, &car),
+            work: Workspace::new(&config, &car, &track),
             prepared: false,
             setup: Setup {
                 tracker: Tracker::new(&car),
@@ -124,7 +124,7 @@ impl Controller {
         if !self.memory.shifted {
             let (model, track) = (&self.setup.model, &self.setup.track);
             let tail = self.memory.plan_tail;
-            self.memory.plan.shift(tail, |x, u| model.next(x, u, track.kappa_along()));
+            self.memory.plan.shift(tail, |x, u| model.next(x, u, track.road()));
             self.memory.shifted = true;
         }
         self.work.prepare(&self.setup, &self.memory, probe);

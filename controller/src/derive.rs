@@ -6,7 +6,7 @@
 //! to another car through the ratios of these scales. What a scale cannot know, the car's file
 //! says: the tyres' peak slip, the body, the brakes and the steering stop.
 
-use vehicle_model::{CarParams, GRAVITY, Track, Tyre};
+use vehicle_model::{CarParams, GRAVITY, RoadPoint, Track, Tyre};
 
 use crate::config::Config;
 use crate::presets::Preset;
@@ -162,9 +162,18 @@ impl PointMass {
         let n = 2000;
         let ds = track.length() / f64::from(n);
         let grip = car.tyre_front.mu.min(car.tyre_rear.mu) * GRAVITY;
+        let road = track.road();
         let bend = |i: u32| {
-            let kappa = track.kappa(f64::from(i) * ds).abs();
-            (grip / kappa.max(grip / (FASTEST * FASTEST))).sqrt()
+            let s = f64::from(i) * ds;
+            let kappa = track.kappa(s).abs();
+            let limit = track.speed_limit(s).min(car.speed_max.unwrap_or(f64::INFINITY));
+            let bend = match RoadPoint::of(&road, s) {
+                RoadPoint { surface: None, .. } => {
+                    (grip / kappa.max(grip / (FASTEST * FASTEST))).sqrt()
+                }
+                hills => hills.corner_speed(hills.kappa, grip / GRAVITY, 0.0).min(FASTEST),
+            };
+            bend.min(limit)
         };
         let mut v: Vec<f64> = (0..n).map(bend).collect();
         let count = v.len();
@@ -174,6 +183,7 @@ impl PointMass {
             let force = car.drive_force_max.map_or(f64::INFINITY, |force| force / car.mass);
             let power = car.power_max.map_or(f64::INFINITY, |power| power / car.mass / here);
             let drive = car.a_max.min(force).min(power) - drag - car.linear_drag * here;
+            let drive = drive - GRAVITY * libm::sin(track.slope((i % count) as f64 * ds));
             v[next] = v[next].min((here * here + 2.0 * drag_limited(drive) * ds).sqrt());
         }
         for i in (0..2 * count).rev() {

@@ -211,7 +211,7 @@ impl Controller {
                 &self.setup.track,
                 x_0.v_x.max(self.setup.config.warm_up.speed),
             );
-            x = self.setup.model.next(&x, &u, self.setup.track.kappa_along());
+            x = self.setup.model.next(&x, &u, self.setup.track.road());
             memory.plan.u.push(u);
             memory.plan.x.push(x);
             memory.plan_tail = u;

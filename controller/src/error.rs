@@ -1,6 +1,7 @@
 //! Errors of construction. At run time there are none: see [`crate::Status`].
 
 use crate::config::Problem;
+use vehicle_model::explain_unknown_key;
 
 /// Why a controller or its configuration could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +19,7 @@ pub enum ConfigError {
 
 impl ConfigError {
     pub(crate) fn syntax(error: toml::de::Error) -> Self {
-        Self::Syntax(error.to_string())
+        Self::Syntax(explain_unknown_key(&error.to_string()))
     }
 
     pub(crate) fn merge(error: toml::ser::Error) -> Self {

@@ -88,7 +88,7 @@ impl Controller {
             if !error {
                 return next;
             }
-            let f = model.next(x, u, track.kappa_along());
+            let f = model.next(x, u, track.road());
             [next[0] - f.v_x, next[1] - f.v_y, next[2] - f.omega_z]
         })
     }
@@ -128,7 +128,7 @@ impl Controller {
         memory.dataset.laps = learned.laps;
         let learning = |lap: &&Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Learning;
         memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;
-        memory.learning = memory.valid_laps() >= self.setup.config.warm_up.laps;
+        memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
         self.memory = memory;
         self.setup.model.model.grip = learned.grip;
         self.derive();

@@ -56,7 +56,7 @@ pub(crate) fn nominal_all(
         }
         return;
     }
-    model.linearize_all(points, track.kappa_along(), |i, linear| {
+    model.linearize_all(points, track.road(), |i, linear| {
         let (x, u) = &points[i];
         let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
         affine[i] = Affine { a: linear.a, b: linear.b, c };

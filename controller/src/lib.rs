@@ -47,6 +47,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod actuator;
+mod adopt;
 mod affine;
 pub mod config;
 mod controller;
@@ -68,6 +69,7 @@ mod snapshot;
 mod status;
 mod store;
 
+pub use adopt::DrivenStep;
 pub use affine::Affine;
 pub use config::Config;
 pub use controller::Controller;

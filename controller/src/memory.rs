@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::config::Config;
-use crate::learning::dataset::Dataset;
+use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::envelope::{Envelope, NearMiss};
 use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
+use crate::status::LapKind;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -102,6 +103,12 @@ impl Memory {
         memory.queue.resize(config.delay.steps, Input::default());
         memory.dataset.current.samples.reserve(4096);
         memory
+    }
+
+    /// Whether there is enough to learn from: `count` valid laps, or one that somebody drove.
+    pub(crate) fn initial_laps_done(&self, count: usize) -> bool {
+        let driven = |lap: &Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Driven;
+        self.dataset.laps.iter().any(driven) || self.valid_laps() >= count
     }
 
     /// Valid initial laps so far.

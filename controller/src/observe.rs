@@ -180,7 +180,7 @@ impl Observer<'_> {
             memory.learned_laps += 1;
         }
         memory.lap += 1;
-        memory.learning = memory.valid_laps() >= self.config.warm_up.laps;
+        memory.learning = memory.initial_laps_done(self.config.warm_up.laps);
         memory.lap_due = true;
         finished
     }

@@ -1,7 +1,7 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
 use nalgebra::{Vector2, Vector6};
-use vehicle_model::{CarParams, Input, Outline, State};
+use vehicle_model::{CarParams, Input, Outline, State, Track};
 
 use crate::config::Config;
 use crate::controller::Setup;
@@ -9,6 +9,7 @@ use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
 use crate::learning::safe_set::{Query, SafeSet};
+use crate::learning::speed_limit::SpeedLimit;
 use crate::memory::Memory;
 use crate::slip::{self, Dissipation};
 use crate::status::{Phase, Probe};
@@ -38,6 +39,8 @@ pub(crate) struct Workspace {
     outline: Option<Outline>,
     /// Speed cap; infinite for none [m/s].
     speed_cap: f64,
+    /// Limits of track and car.
+    limit: SpeedLimit,
     pub(crate) solver: Solver,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
@@ -46,7 +49,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    pub(crate) fn new(config: &Config, car: &CarParams) -> Self {
+    pub(crate) fn new(config: &Config, car: &CarParams, track: &Track) -> Self {
         let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
@@ -67,6 +70,7 @@ impl Workspace {
             origin: 0.0,
             outline: config.limits.body.then(|| Outline::new(car)),
             speed_cap: bound(config.limits.speed_cap),
+            limit: SpeedLimit::new(car, track, config.envelope.brake_share),
             points: Vec::with_capacity(n),
             solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
@@ -148,10 +152,11 @@ impl Workspace {
         learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
     }
 
-    /// Greatest speed of each stage's end: envelope and cap.
+    /// Greatest speed of each stage's end: envelope, limits and cap.
     fn bound_speed(&mut self, memory: &Memory) {
         for (most, next) in self.problem.speed_max.iter_mut().zip(memory.plan.x.iter().skip(1)) {
-            *most = memory.derived.envelope.at(next.s).min(self.speed_cap);
+            let limit = self.limit.at(next.s).min(self.speed_cap);
+            *most = memory.derived.envelope.at(next.s).min(limit);
         }
     }
 

@@ -102,6 +102,8 @@ pub enum LapKind {
     Warmup,
     /// Driven by the learning controller.
     Learning,
+    /// Initial lap that somebody else drove.
+    Driven,
 }
 
 /// A finished lap.

@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod oracle;
+mod relief;
 mod variation;
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
@@ -10,6 +11,7 @@ use variation::By;
 
 use crate::model::{Held, Model, ModelKind, PoseConvention, pose_rates, state_array};
 use crate::number::{Dual, Number, Real};
+use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
 
 /// Directions of a linearisation: six states, two inputs.
@@ -17,7 +19,7 @@ const DIRECTIONS: usize = NX + NU;
 
 /// A model sampled with a control step: `substeps` steps of Runge-Kutta 4 over `dt`.
 ///
-/// The curvature is looked up at every stage from the value of s and frozen in the Jacobian
+/// Curvature and surface are looked up at every stage from the value of s and frozen in the Jacobian
 /// (d kappa/d s = 0): differences across a jump of curvature would be meaningless and huge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discretized {
@@ -42,16 +44,17 @@ pub struct Linearization {
 
 impl Discretized {
     /// State after one control step; s is not wrapped.
-    pub fn next(&self, x: &State, u: &Input, kappa: impl Fn(f64) -> f64) -> State {
-        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, &kappa);
+    pub fn next(&self, x: &State, u: &Input, road: impl Road) -> State {
+        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, &road);
         State::from_vector(&Vector6::from(next))
     }
 
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
-    pub fn linearize(&self, x: &State, u: &Input, kappa: impl Fn(f64) -> f64) -> Linearization {
+    pub fn linearize(&self, x: &State, u: &Input, road: impl Road) -> Linearization {
         match self.model.kind {
-            ModelKind::Dynamic => variation::linearize(self, x, u, &kappa),
-            ModelKind::Kinematic => self.linearize_directly(x, u, &kappa),
+            _ if !road.is_flat() => relief::linearize(self, x, u, &road),
+            ModelKind::Dynamic => variation::linearize(self, x, u, &road),
+            ModelKind::Kinematic => self.linearize_directly(x, u, &road),
         }
     }
 
@@ -60,33 +63,31 @@ impl Discretized {
     pub fn linearize_all(
         &self,
         points: &[(State, Input)],
-        kappa: impl Fn(f64) -> f64,
+        road: impl Road,
         mut found: impl FnMut(usize, Linearization),
     ) {
         match self.model.kind {
+            _ if !road.is_flat() => {
+                relief::linearize_all(self, points, By::Input, &road, &mut found);
+            }
             ModelKind::Dynamic => {
-                variation::linearize_all(self, points, By::Input, &kappa, &mut found);
+                variation::linearize_all(self, points, By::Input, &road, &mut found);
             }
             ModelKind::Kinematic => {
                 for (i, (x, u)) in points.iter().enumerate() {
-                    found(i, self.linearize_directly(x, u, &kappa));
+                    found(i, self.linearize_directly(x, u, &road));
                 }
             }
         }
     }
 
     /// The whole step in dual numbers: short, and cheap enough where the velocities are algebraic.
-    fn linearize_directly(
-        &self,
-        x: &State,
-        u: &Input,
-        kappa: &impl Fn(f64) -> f64,
-    ) -> Linearization {
+    fn linearize_directly(&self, x: &State, u: &Input, road: &impl Road) -> Linearization {
         type D = Dual<f64, DIRECTIONS>;
         let values = state_array(x);
         let state: [D; NX] = std::array::from_fn(|i| D::direction(values[i], i));
         let input = [D::direction(u.a, NX), D::direction(u.delta, NX + 1)];
-        let next = self.step(&state, &input, &self.model.grip.map(D::fixed), kappa);
+        let next = self.step(&state, &input, &self.model.grip.map(D::fixed), road);
         Linearization {
             next: Vector6::from_fn(|row, _| next[row].value),
             a: Matrix6::from_fn(|row, column| next[row].gradient[column]),
@@ -100,18 +101,24 @@ impl Discretized {
     pub fn grip_jacobians(
         &self,
         points: &[(State, Input)],
-        kappa: impl Fn(f64) -> f64,
+        road: impl Road,
         mut found: impl FnMut(usize, Vector6<f64>, Matrix6x2<f64>),
     ) {
         match self.model.kind {
             ModelKind::Dynamic => {
                 let mut found = |i, step: Linearization| found(i, step.next, step.b);
-                variation::linearize_all(self, points, By::Grip, &kappa, &mut found);
+                if road.is_flat() {
+                    variation::linearize_all(self, points, By::Grip, &road, &mut found);
+                } else {
+                    relief::linearize_all(self, points, By::Grip, &road, &mut found);
+                }
             }
             // A car that rolls has all the grip it needs.
             ModelKind::Kinematic => {
                 for (i, (x, u)) in points.iter().enumerate() {
-                    found(i, self.next(x, u, &kappa).to_vector(), Matrix6x2::zeros());
+                    let input = [u.a, u.delta];
+                    let next = self.step(&state_array(x), &input, &self.model.grip, &road);
+                    found(i, Vector6::from(next), Matrix6x2::zeros());
                 }
             }
         }
@@ -130,17 +137,20 @@ impl Discretized {
         x: &[T; NX],
         u: &[T; NU],
         grip: &[T; 2],
-        kappa: &impl Fn(f64) -> f64,
+        road: &impl Road,
     ) -> [T; NX] {
+        if !road.is_flat() {
+            return relief::step(self, x, u, grip, road);
+        }
         let (substeps, h) = self.grid();
         let u = Held::new(u);
         match self.model.kind {
             ModelKind::Dynamic => (0..substeps).fold(*x, |x, _| {
                 runge_kutta_4(&x, h, &|x: &[T; NX], _| {
-                    self.model.derivative_generic(x, &u, x[4].real().map(kappa), grip)
+                    self.model.derivative_generic(x, &u, x[4].real().map(|s| road.kappa(s)), grip)
                 })
             }),
-            ModelKind::Kinematic => self.kinematic_step(x, &u, substeps, h, kappa),
+            ModelKind::Kinematic => self.kinematic_step(x, &u, substeps, h, road),
         }
     }
 
@@ -152,11 +162,11 @@ impl Discretized {
         u: &Held<T>,
         substeps: usize,
         h: f64,
-        kappa: &impl Fn(f64) -> f64,
+        road: &impl Road,
     ) -> [T; NX] {
         let measured = [x[0], x[1], x[2]];
         let reached = self.model.kinematic_velocities(x[0], u, self.dt);
-        let a = self.model.kinematic_rate(x[0], u);
+        let a = self.model.kinematic_rate(x[0], u, None);
         let per_dt = 1.0 / self.dt;
         let velocities = |t: f64| match self.model.pose {
             PoseConvention::Held => measured,
@@ -171,7 +181,7 @@ impl Discretized {
             #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
             let start = i as f64 * h;
             pose = runge_kutta_4(&pose, h, &|pose: &[T; 3], t| {
-                pose_rates(&velocities(start + t), pose, pose[1].real().map(kappa))
+                pose_rates(&velocities(start + t), pose, pose[1].real().map(|s| road.kappa(s)))
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]

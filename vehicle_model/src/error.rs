@@ -2,6 +2,7 @@
 
 use crate::params::ParamProblem;
 use crate::state::State;
+use crate::unknown_key::explain_unknown_key;
 
 /// Why a car or plant could not be built.
 #[derive(Debug, thiserror::Error)]
@@ -15,7 +16,7 @@ pub enum ModelError {
         known: String,
     },
     /// The text is no car file.
-    #[error("car file: {0}")]
+    #[error("car file: {}", explain_unknown_key(&.0.to_string()))]
     CarSyntax(toml::de::Error),
     /// Values out of range, all of them.
     #[error("car file: {}", join(.0))]

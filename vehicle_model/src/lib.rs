@@ -18,10 +18,12 @@ mod number;
 pub mod outline;
 pub mod params;
 pub mod plant;
+pub mod road;
 pub mod slip;
 pub mod state;
 pub mod track;
 mod tracking;
+mod unknown_key;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
@@ -34,7 +36,9 @@ pub use model::{
 pub use outline::{BodyPoint, Extent, Outline};
 pub use params::{CarParams, GRAVITY, ParamProblem, Secant, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
+pub use road::{Road, RoadPoint, Surface};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};
 pub use track::{Projection, Segment, Track, TrackError};
 pub use tracking::Tracker;
+pub use unknown_key::explain_unknown_key;

@@ -5,6 +5,7 @@
 
 mod axles;
 mod bicycle;
+mod ground;
 mod kinematic;
 mod spatial;
 mod tyre;
@@ -13,9 +14,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::number::Number;
 use crate::params::CarParams;
+use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
 
 pub use axles::AxleForces;
+pub(crate) use ground::{Ground, Terrain, ground};
 pub use spatial::{SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion};
 pub(crate) use tyre::slip_speed;
 
@@ -98,7 +101,31 @@ impl Model {
     /// Forces of both axles in this state.
     #[must_use]
     pub fn forces(&self, x: &State, u: &Input) -> AxleForces<f64> {
-        bicycle::forces(&self.params, &[x.v_x, x.v_y, x.omega_z], &[u.a, u.delta], &self.grip)
+        let v = [x.v_x, x.v_y, x.omega_z];
+        bicycle::forces(&self.params, &v, &[u.a, u.delta], &self.grip, None)
+    }
+
+    /// [`Model::derivative`] on any road.
+    #[must_use]
+    pub fn derivative_along(&self, x: &State, u: &Input, road: &impl Road) -> [f64; NX] {
+        let (values, held) = (state_array(x), Held::new(&[u.a, u.delta]));
+        if road.is_flat() {
+            return self.derivative_generic(&values, &held, road.kappa(x.s), &self.grip);
+        }
+        self.derivative_on(&values, &held, &Terrain::new(road, x.s), &self.grip)
+    }
+
+    /// [`Model::forces`] on any road.
+    #[must_use]
+    pub fn forces_along(&self, x: &State, u: &Input, road: &impl Road) -> AxleForces<f64> {
+        if road.is_flat() {
+            return self.forces(x, u);
+        }
+        let terrain = Terrain::new(road, x.s);
+        let v = [x.v_x, x.v_y, x.omega_z];
+        let (_, below) = ground(&terrain, &v, &[x.e_psi, x.s, x.e_y]);
+        let grip = self.grip.map(|grip| grip * terrain.friction);
+        bicycle::forces(&self.params, &v, &[u.a, u.delta], &grip, Some(&below))
     }
 
     /// Share of each axle's peak force in use, sqrt(F_x^2 + F_y^2)/(mu F_z) [-].
@@ -120,35 +147,57 @@ impl Model {
         kappa: T::Real,
         grip: &[T; 2],
     ) -> [T; NX] {
-        let velocity = self.velocity_rates(&[x[0], x[1], x[2]], u, grip);
+        let velocity = self.velocity_rates(&[x[0], x[1], x[2]], u, grip, None);
         let pose = pose_rates(&[x[0], x[1], x[2]], &[x[3], x[4], x[5]], kappa);
         [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
     }
 
-    /// Rates of [v_x, v_y, omega_z], which do not depend on the pose.
+    /// The same on a road that is not flat.
+    #[inline(always)]
+    pub(crate) fn derivative_on<T: Number>(
+        &self,
+        x: &[T; NX],
+        u: &Held<T>,
+        terrain: &Terrain<T::Real>,
+        grip: &[T; 2],
+    ) -> [T; NX] {
+        let v = [x[0], x[1], x[2]];
+        let (pose, below) = ground(terrain, &v, &[x[3], x[4], x[5]]);
+        let grip = grip.map(|grip| grip.scale(terrain.friction));
+        let velocity = self.velocity_rates(&v, u, &grip, Some(&below));
+        [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
+    }
+
+    /// Rates of [v_x, v_y, omega_z], which on a flat road do not depend on the pose.
     #[inline(always)]
     pub(crate) fn velocity_rates<T: Number>(
         &self,
         v: &[T; 3],
         u: &Held<T>,
         grip: &[T; 2],
+        below: Option<&Ground<T>>,
     ) -> [T; 3] {
         match self.kind {
-            ModelKind::Dynamic => bicycle::velocity_rates(&self.params, v, u, grip),
-            ModelKind::Kinematic => kinematic::velocity_rates(&self.params, v, u),
+            ModelKind::Dynamic => bicycle::velocity_rates(&self.params, v, u, grip, below),
+            ModelKind::Kinematic => kinematic::velocity_rates(&self.params, v, u, below),
         }
     }
 
     /// Velocities of the kinematic model at the end of a step of `dt`.
     #[inline(always)]
     pub(crate) fn kinematic_velocities<T: Number>(&self, v_x: T, u: &Held<T>, dt: f64) -> [T; 3] {
-        self.rolling_velocities(v_x + self.kinematic_rate(v_x, u) * dt, u)
+        self.rolling_velocities(v_x + self.kinematic_rate(v_x, u, None) * dt, u)
     }
 
     /// Longitudinal acceleration of the kinematic model.
     #[inline(always)]
-    pub(crate) fn kinematic_rate<T: Number>(&self, v_x: T, u: &Held<T>) -> T {
-        kinematic::speed_rate(&self.params, v_x, u.a)
+    pub(crate) fn kinematic_rate<T: Number>(
+        &self,
+        v_x: T,
+        u: &Held<T>,
+        below: Option<&Ground<T>>,
+    ) -> T {
+        kinematic::speed_rate(&self.params, v_x, u.a, below)
     }
 
     /// Kinematic velocities at a speed.

@@ -6,6 +6,8 @@
 
 mod check;
 mod file;
+mod keys;
+mod tyre_file;
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +22,8 @@ pub const GRAVITY: f64 = 9.81;
 const SECANT_FROM: f64 = 0.4;
 /// Share of the peak slip from which on secants have their full length.
 const SECANT_FULL: f64 = 0.85;
+/// How fast driving gives way to what holds the top speed as that comes near \[1/s\].
+pub const GOVERNOR_GAIN: f64 = 20.0;
 
 /// Lateral tyre of one axle: F_y = D sin(C atan(B alpha)) with D = mu F_z (Pacejka 2012, eq. 4.6,
 /// without curvature term).
@@ -131,6 +135,9 @@ pub struct CarParams {
     pub drive_force_max: Option<f64>,
     /// Limit of braking force; `None` is off [N].
     pub brake_force_max: Option<f64>,
+    /// Top speed that gearing or a governor allows; `None` is off [m/s].
+    #[serde(default)]
+    pub speed_max: Option<f64>,
     /// Body length [m].
     pub length: f64,
     /// Body width [m].
@@ -192,6 +199,10 @@ impl CarParams {
         let mut hash = Fnv1a::new();
         for value in self.numbers() {
             hash.write(value.to_bits());
+        }
+        // Absent it adds nothing: cars without it keep the fingerprint they had.
+        if let Some(speed) = self.speed_max {
+            hash.write(speed.to_bits());
         }
         for switch in [self.front_force_yaw, self.combined_slip] {
             hash.write(u64::from(switch));

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::discretized::runge_kutta_4;
 use crate::error::ModelError;
-use crate::model::{AxleForces, Held, Model, ModelKind, state_array};
+use crate::model::{AxleForces, Held, Model, ModelKind, Terrain, state_array};
 use crate::params::{CarParams, ParamProblem};
 use crate::state::{GlobalState, Input, State};
 use crate::track::Track;
@@ -164,6 +164,7 @@ impl Plant {
 
     fn substep(&mut self, time: f64, mut u: Input, h: f64) {
         let before = self.state.x;
+        let braking = u.a < 0.0;
         if before.v_x <= 0.0 {
             // Brakes hold a car that stands, they do not push it back.
             u.a = u.a.max(0.0);
@@ -172,8 +173,13 @@ impl Plant {
         self.model.grip = disturbance.grip(time, self.track.wrap(before.s));
         let (model, track) = (&self.model, &self.track);
         let input = Held::new(&[u.a, u.delta]);
+        let (flat, road) = (track.is_flat(), track.road());
         let next = runge_kutta_4(&state_array(&before), h, &|x: &[f64; crate::NX], _| {
-            let mut rates = model.derivative_generic(x, &input, track.kappa(x[4]), &model.grip);
+            let mut rates = if flat {
+                model.derivative_generic(x, &input, track.kappa(x[4]), &model.grip)
+            } else {
+                model.derivative_on(x, &input, &Terrain::new(&road, x[4]), &model.grip)
+            };
             if disturbance.pushes() {
                 let heading = track.heading(x[4]) + x[3];
                 let [a_x, a_y] = disturbance.acceleration(heading, model.params.mass);
@@ -184,6 +190,10 @@ impl Plant {
         });
         let mut x = State::from_vector(&next.into());
         if u.a < 0.0 && before.v_x >= 0.0 && x.v_x < 0.0 {
+            x.v_x = 0.0;
+        }
+        if braking && !flat && x.v_x < 0.0 {
+            // Nor do they let it roll back down a slope.
             x.v_x = 0.0;
         }
         self.state.x = x;
@@ -226,13 +236,14 @@ impl Plant {
     /// Slip angles, forces and loads of the axles now.
     #[must_use]
     pub fn tyres(&self) -> AxleForces<f64> {
-        self.model.forces(&self.state.x, &self.applied())
+        self.model.forces_along(&self.state.x, &self.applied(), &self.track.road())
     }
 
     /// Share of each axle's peak force in use, front and rear [-].
     #[must_use]
     pub fn utilisation(&self) -> [f64; 2] {
-        self.model.utilisation(&self.tyres())
+        let friction = self.track.friction(self.state.x.s);
+        self.model.utilisation(&self.tyres()).map(|used| used / friction)
     }
 
     /// Time since the start [s].

@@ -1,6 +1,6 @@
 //! Centre-line tracking: the initial laps, and what is left when no plan is.
 
-use crate::params::CarParams;
+use crate::params::{CarParams, GRAVITY};
 use crate::state::{Input, State};
 use crate::track::Track;
 
@@ -46,7 +46,8 @@ impl Tracker {
     #[must_use]
     pub fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
         let v_ref = v_ref.min(self.bend_speed(x, track));
-        let a = ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a);
+        let climb = if track.is_flat() { 0.0 } else { GRAVITY * libm::sin(track.slope(x.s)) };
+        let a = ((v_ref - x.v_x) / SPEED_TIME + climb).clamp(self.least.a, self.most.a);
         Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
     }
 
@@ -60,7 +61,9 @@ impl Tracker {
             let ahead = f64::from(i) * step;
             let kappa = track.kappa(x.s + ahead).abs().max(1e-9);
             let room = ((ahead - x.v_x * SPEED_TIME).max(0.0)) * 2.0 * brake;
-            slowest = slowest.min(BEND_SHARE * self.grip / kappa + room);
+            let grip = BEND_SHARE * self.grip * track.friction(x.s + ahead);
+            let limit = track.speed_limit(x.s + ahead);
+            slowest = slowest.min(grip / kappa + room).min(limit * limit + room);
         }
         slowest.sqrt()
     }

@@ -92,7 +92,7 @@ fn all_bad_values_are_named_at_once_with_their_lines() {
 #[test]
 fn damaged_files_say_what_is_wrong() {
     let cases = [
-        (BARC.replace("mass_kg", "mass"), "unknown field `mass`"),
+        (BARC.replace("mass_kg", "mass"), "unknown key `mass`, the nearest known one is `mass_kg`"),
         (BARC.replace("l_f_m = 0.13", "l_f_m = \"far\""), "expected f64"),
         (BARC.replace("width_m = 0.195", ""), "missing field `width_m`"),
         (BARC.replacen("mu = 0.9 ", "peak_n = 9.8\nmu = 0.9 ", 1), "either mu or peak_n"),

@@ -13,9 +13,10 @@
 //!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
-use vehicle_model::{CarParams, GRAVITY, State, Track};
+use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
 use super::dataset::Lap;
+use super::speed_limit::deceleration;
 use crate::config::EnvelopeConfig;
 
 /// Share of the reserve beside the body whose use is no near miss.
@@ -92,15 +93,15 @@ impl Envelope {
         };
         let tyres = Grip::new(car, grip);
         for lap in laps {
-            envelope.add(config, &tyres, lap);
+            envelope.add(config, &tyres, track, lap);
         }
         if envelope.speed.iter().all(|v| *v == 0.0) || !config.active {
             envelope.speed.clear();
             return envelope;
         }
         envelope.fill_gaps();
-        envelope.brake(config, car);
-        envelope.slow_down(config, car, misses);
+        envelope.brake(config, car, track);
+        envelope.slow_down(config, car, track, misses);
         envelope
     }
 
@@ -117,11 +118,14 @@ impl Envelope {
     }
 
     /// Raises the grid to what a lap supports, between each two samples.
-    fn add(&mut self, config: &EnvelopeConfig, tyres: &Grip, lap: &Lap) {
+    fn add(&mut self, config: &EnvelopeConfig, tyres: &Grip, track: &Track, lap: &Lap) {
         let n = self.speed.len();
-        let growth = |v: f64, omega: f64| {
+        let growth = |s: f64, v: f64, omega: f64| {
             let used = (omega * v).abs() / tyres.lateral(v);
-            let room = (config.grip_share / used.max(1e-6)).sqrt();
+            let mut room = (config.grip_share / used.max(1e-6)).sqrt();
+            if !track.is_flat() {
+                room = tyres.room(config.grip_share, &RoadPoint::of(&track.road(), s), v, omega);
+            }
             v * room.clamp(1.0 + config.growth_least, 1.0 + config.growth_most)
         };
         for pair in lap.samples.windows(2) {
@@ -129,7 +133,8 @@ impl Envelope {
             if to.s <= from.s {
                 continue;
             }
-            let (low, high) = (growth(from.v_x, from.omega_z), growth(to.v_x, to.omega_z));
+            let (low, high) =
+                (growth(from.s, from.v_x, from.omega_z), growth(to.s, to.v_x, to.omega_z));
             let first = (from.s / self.ds).ceil() as usize;
             for i in first.. {
                 let share = (i as f64 * self.ds - from.s) / (to.s - from.s);
@@ -160,10 +165,11 @@ impl Envelope {
     }
 
     /// The backward pass.
-    fn brake(&mut self, config: &EnvelopeConfig, car: &CarParams) {
+    fn brake(&mut self, config: &EnvelopeConfig, car: &CarParams, track: &Track) {
         let n = self.speed.len();
         for i in (0..2 * n).rev() {
-            let most = braked_to(config, car, self.speed[(i + 1) % n], self.ds);
+            let s = (i % n) as f64 * self.ds;
+            let most = braked_to(config, car, (track, s), self.speed[(i + 1) % n], self.ds);
             let here = &mut self.speed[i % n];
             *here = here.min(most).max(self.driven[i % n]);
         }
@@ -174,6 +180,7 @@ impl Envelope {
         &mut self,
         config: &EnvelopeConfig,
         car: &CarParams,
+        track: &Track,
         (misses, count): (&[NearMiss], usize),
     ) {
         if misses.is_empty() {
@@ -192,7 +199,8 @@ impl Envelope {
             }
         }
         for i in (0..2 * n).rev() {
-            let most = braked_to(config, car, self.driven[(i + 1) % n], self.ds);
+            let s = (i % n) as f64 * self.ds;
+            let most = braked_to(config, car, (track, s), self.driven[(i + 1) % n], self.ds);
             let here = &mut self.driven[i % n];
             *here = here.min(most);
         }
@@ -202,13 +210,19 @@ impl Envelope {
     }
 }
 
-/// Greatest speed from which the brakes reach `after` within `ds` \[m/s\].
-fn braked_to(config: &EnvelopeConfig, car: &CarParams, after: f64, ds: f64) -> f64 {
+/// Greatest speed at s from which the brakes reach `after` within `ds` \[m/s\].
+fn braked_to(
+    config: &EnvelopeConfig,
+    car: &CarParams,
+    (track, s): (&Track, f64),
+    after: f64,
+    ds: f64,
+) -> f64 {
     let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-    let brake = config.brake_share * brakes.min(-car.a_min);
+    let brake = deceleration(track, s, config.brake_share * brakes.min(-car.a_min));
     let drag =
         0.5 * car.rho * car.cd * car.area * after * after / car.mass + car.linear_drag * after;
-    (after * after + 2.0 * ds * (brake + drag)).sqrt()
+    (after * after + 2.0 * ds * (brake + drag).max(0.0)).sqrt()
 }
 
 /// Lateral acceleration the tyres hold.
@@ -224,6 +238,16 @@ impl Grip {
         let mu = (car.tyre_front.mu * grip[0]).min(car.tyre_rear.mu * grip[1]);
         let lift = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
         Self { still: mu * GRAVITY, downforce: mu * lift }
+    }
+
+    /// Factor on the speed `v` at which a point mass on the driven line's curvature, on a road that
+    /// is not flat, uses this share of the grip.
+    fn room(&self, share: f64, road: &RoadPoint, v: f64, omega: f64) -> f64 {
+        let bank = road.surface.map_or(0.0, |surface| surface.bank);
+        let kappa = omega / (v.max(1e-3) * libm::cos(bank));
+        let mu = share * self.still / GRAVITY;
+        let most = road.corner_speed(kappa, mu, self.downforce * GRAVITY / self.still);
+        most / v.max(1e-3)
     }
 
     fn lateral(&self, v: f64) -> f64 {

@@ -37,7 +37,7 @@ pub(crate) fn fit<'a>(
         let grip = Vector2::from(model.model.grip);
         let mut hessian = Matrix2::identity() * PULL;
         let mut gradient = (Vector2::repeat(1.0) - grip) * PULL;
-        model.grip_jacobians(&points, track.kappa_along(), |i, next, jacobian| {
+        model.grip_jacobians(&points, track.road(), |i, next, jacobian| {
             for row in 0..3 {
                 let r = (measured[i][row] - next[row]) / SCALES[row];
                 let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / SCALES[row];

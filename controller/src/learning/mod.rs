@@ -3,7 +3,9 @@
 pub mod dataset;
 pub(crate) mod envelope;
 pub(crate) mod grip;
+pub mod inverse;
 pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;
 pub mod safe_set;
+pub(crate) mod speed_limit;

@@ -83,9 +83,10 @@ impl<'a> Case<'a> {
         ]);
         let slowest = car.blend_speed_low.max(0.02 * mean);
         let free = f64::INFINITY;
+        let limits: Vec<f64> =
+            intervals.iter().map(|interval| self.speed_limit(interval)).collect();
         let bounds = |side: usize| -> Vec<Node> {
             let sign = if side == 0 { -1.0 } else { 1.0 };
-            let speed = if side == 0 { slowest } else { free };
             edges
                 .iter()
                 .enumerate()
@@ -98,6 +99,7 @@ impl<'a> Case<'a> {
                         (Mode::Brake, Mode::Brake) => a[1] = 0.0,
                         _ => a = [-passage, passage],
                     }
+                    let speed = if side == 0 { slowest } else { limits[k].max(1.1 * slowest) };
                     let psi = sign * MOST_E_PSI;
                     let z =
                         [speed, sign * free, sign * free, psi, edge[side], a[side], delta[side]];
@@ -116,6 +118,12 @@ impl<'a> Case<'a> {
             cost_of_time: n as f64 / time,
             cost_of_change: COST_OF_CHANGE,
         })
+    }
+
+    /// Highest speed at the node where an interval begins, by the track and the car \[m/s\].
+    fn speed_limit(&self, interval: &Interval) -> f64 {
+        let near = [-1e-6, 1e-6].map(|ds| self.track.speed_limit(interval.s + ds));
+        near[0].min(near[1]).min(self.car.speed_max.unwrap_or(f64::INFINITY))
     }
 
     /// Right and left bound of e_y at every node.

@@ -62,8 +62,10 @@ fn drive(plant: &mut Plant, car: &CarParams, interval: &Interval, z: [&Node; 2],
     for dt in (1..STEPS).map(|_| step).chain(last) {
         // Inputs are linear in s: the middle of the step, with the pace of its beginning.
         let now = plant.unwrapped();
-        let ahead = (now.v_x * now.e_psi.cos() - now.v_y * now.e_psi.sin())
-            / (1.0 - interval.kappa[1] * now.e_y);
+        let road = &interval.road[1];
+        let level = road.surface.map_or(1.0, |surface| surface.slope.cos());
+        let ahead = (now.v_x * now.e_psi.cos() - now.v_y * now.e_psi.sin()) * level
+            / (1.0 - road.kappa * now.e_y);
         let at = |time: f64| (now.s + ahead * time - interval.s) / interval.length;
         let mut command = [0.0; 2];
         for i in 0..2 {

@@ -5,7 +5,7 @@
 //! shares of braking are blended in a band around it.
 
 use vehicle_model::{
-    CarParams, Model, ModelKind, SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion,
+    CarParams, Model, ModelKind, RoadPoint, SPATIAL_RATES, SPATIAL_VARIABLES, SpatialExpansion,
 };
 
 /// Index of a among the variables.
@@ -44,6 +44,7 @@ impl Dynamics {
             power_max: None,
             drive_force_max: None,
             brake_force_max: None,
+            speed_max: None,
             ..car.clone()
         };
         let model = |car: CarParams| Model::new(ModelKind::Dynamic, car);
@@ -89,12 +90,12 @@ impl Dynamics {
         &self,
         mode: Mode,
         z: &[f64; SPATIAL_VARIABLES],
-        kappa: f64,
+        road: &RoadPoint,
     ) -> [f64; SPATIAL_RATES] {
         let (model, blend) = self.at(mode, z[A]);
-        let rates = model.spatial_rates(z, kappa);
+        let rates = model.spatial_rates(z, road);
         let Some((brake, [share, ..])) = blend else { return rates };
-        let other = brake.spatial_rates(z, kappa);
+        let other = brake.spatial_rates(z, road);
         std::array::from_fn(|i| other[i] + share * (rates[i] - other[i]))
     }
 
@@ -103,12 +104,12 @@ impl Dynamics {
         &self,
         mode: Mode,
         z: &[f64; SPATIAL_VARIABLES],
-        kappa: f64,
+        road: &RoadPoint,
     ) -> SpatialExpansion {
         let (model, blend) = self.at(mode, z[A]);
-        let mut out = model.spatial_expansion(z, kappa);
+        let mut out = model.spatial_expansion(z, road);
         let Some((brake, [share, slope, curvature])) = blend else { return out };
-        let other = brake.spatial_expansion(z, kappa);
+        let other = brake.spatial_expansion(z, road);
         for row in 0..SPATIAL_RATES {
             let by = |i: usize| out.jacobian[row][i] - other.jacobian[row][i];
             let difference = out.value[row] - other.value[row];
@@ -146,14 +147,15 @@ mod tests {
     fn the_blend_is_differentiated_exactly() {
         let dynamics = Dynamics::new(&CarParams::builtin("iac").unwrap(), 0.05);
         let z = [40.0, -0.5, 0.3, 0.02, 1.0, 0.02, 0.03];
-        let exact = dynamics.expansion(Mode::Either, &z, 0.01);
+        let road = RoadPoint::flat(0.01);
+        let exact = dynamics.expansion(Mode::Either, &z, &road);
         for i in 0..SPATIAL_VARIABLES {
             let at = |step: f64| {
                 let mut moved = z;
                 moved[i] += step;
                 (
-                    dynamics.rates(Mode::Either, &moved, 0.01),
-                    dynamics.expansion(Mode::Either, &moved, 0.01).jacobian,
+                    dynamics.rates(Mode::Either, &moved, &road),
+                    dynamics.expansion(Mode::Either, &moved, &road).jacobian,
                 )
             };
             let h = 1e-5;

@@ -2,7 +2,7 @@
 //! sec. 3.5), its middle point eliminated, with exact first and second derivatives.
 
 use nalgebra::{SMatrix, SVector};
-use vehicle_model::{SPATIAL_RATES, SpatialExpansion};
+use vehicle_model::{RoadPoint, SPATIAL_RATES, SpatialExpansion};
 
 use crate::dynamics::{Dynamics, Mode};
 
@@ -25,8 +25,8 @@ pub(crate) struct Interval {
     pub(crate) s: f64,
     /// Its length \[m\].
     pub(crate) length: f64,
-    /// Curvature just inside its beginning, in its middle and just inside its end \[1/m\].
-    pub(crate) kappa: [f64; 3],
+    /// The road just inside its beginning, in its middle and just inside its end.
+    pub(crate) road: [RoadPoint; 3],
     /// What the car does in it.
     pub(crate) mode: Mode,
 }
@@ -89,20 +89,20 @@ fn simpson(z: [&Node; 2], rates: [&Rates; 3], length: f64) -> Values {
 impl Interval {
     /// Defects and time between two nodes; `None` where the car does not go forward.
     pub(crate) fn values(&self, model: &Dynamics, z: [&Node; 2]) -> Option<Values> {
-        let rates = |z: &Node, kappa: f64| -> Option<Rates> {
-            let rates = Rates::from(model.rates(self.mode, &(*z).into(), kappa));
+        let rates = |z: &Node, road: &RoadPoint| -> Option<Rates> {
+            let rates = Rates::from(model.rates(self.mode, &(*z).into(), road));
             (rates[TIME] > 0.0 && rates.iter().all(|rate| rate.is_finite())).then_some(rates)
         };
-        let begin = rates(z[0], self.kappa[0])?;
-        let end = rates(z[1], self.kappa[2])?;
-        let between = rates(&middle(z, [&begin, &end], self.length), self.kappa[1])?;
+        let begin = rates(z[0], &self.road[0])?;
+        let end = rates(z[1], &self.road[2])?;
+        let between = rates(&middle(z, [&begin, &end], self.length), &self.road[1])?;
         Some(simpson(z, [&begin, &between, &end], self.length))
     }
 
     /// The node at the share `t` of the way between two nodes, on the cubic with their rates.
     pub(crate) fn between(&self, model: &Dynamics, z: [&Node; 2], t: f64) -> Node {
-        let begin = model.rates(self.mode, &(*z[0]).into(), self.kappa[0]);
-        let end = model.rates(self.mode, &(*z[1]).into(), self.kappa[2]);
+        let begin = model.rates(self.mode, &(*z[0]).into(), &self.road[0]);
+        let end = model.rates(self.mode, &(*z[1]).into(), &self.road[2]);
         let rest = 1.0 - t;
         let mut node = z[0] + (z[1] - z[0]) * t;
         for i in 0..NS {
@@ -115,11 +115,11 @@ impl Interval {
 
     /// Defects and time with their derivatives.
     pub(crate) fn derivatives(&self, model: &Dynamics, z: [&Node; 2]) -> Derivatives {
-        let at = |z: &Node, kappa: f64| model.expansion(self.mode, &(*z).into(), kappa);
-        let (begin, end) = (at(z[0], self.kappa[0]), at(z[1], self.kappa[2]));
+        let at = |z: &Node, road: &RoadPoint| model.expansion(self.mode, &(*z).into(), road);
+        let (begin, end) = (at(z[0], &self.road[0]), at(z[1], &self.road[2]));
         let rates = |point: &SpatialExpansion| Rates::from(point.value);
         let between_z = middle(z, [&rates(&begin), &rates(&end)], self.length);
-        let between = at(&between_z, self.kappa[1]);
+        let between = at(&between_z, &self.road[1]);
         let values = simpson(z, [&rates(&begin), &rates(&between), &rates(&end)], self.length);
 
         let jacobian = |point: &SpatialExpansion| {

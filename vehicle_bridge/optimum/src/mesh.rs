@@ -1,7 +1,7 @@
 //! The mesh along s.
 
 use nalgebra::SVector;
-use vehicle_model::Track;
+use vehicle_model::{RoadPoint, Track};
 
 use crate::dynamics::{Dynamics, Mode};
 
@@ -14,11 +14,15 @@ const CHECKS: u32 = 8;
 /// Least number of intervals.
 const LEAST: f64 = 60.0;
 
-/// Intervals of about this length whose ends include every jump of the curvature.
+/// Intervals of about this length whose ends include every jump of the curvature and every station.
 pub(crate) fn uniform(track: &Track, length: f64) -> Vec<Interval> {
     let length = length.min(track.length() / LEAST);
     let mut ends = track.curvature_jumps();
-    ends.retain(|s| *s > 0.0);
+    // Bank and slope have kinks at the places that state them, speed limits steps.
+    ends.extend(track.stations().iter().map(|station| station.s));
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|b, a| *b - *a < 1e-9);
+    ends.retain(|s| *s > 1e-9);
     ends.push(track.length());
     let mut places = Vec::new();
     let mut begin = 0.0;
@@ -37,17 +41,17 @@ pub(crate) fn uniform(track: &Track, length: f64) -> Vec<Interval> {
 /// The intervals that begin at these places; the first is 0.
 pub(crate) fn intervals(track: &Track, places: &[f64]) -> Vec<Interval> {
     let ends = places.iter().skip(1).copied().chain([track.length()]);
-    let kappa = track.kappa_along();
+    let road = track.road();
     places
         .iter()
         .zip(ends)
         .map(|(&s, end)| {
             let length = end - s;
-            let at = |share: f64| kappa(s + share * length);
+            let at = |share: f64| RoadPoint::of(&road, s + share * length);
             Interval {
                 s,
                 length,
-                kappa: [at(INSIDE), at(0.5), at(1.0 - INSIDE)],
+                road: [at(INSIDE), at(0.5), at(1.0 - INSIDE)],
                 mode: Mode::Either,
             }
         })
@@ -61,13 +65,13 @@ pub(crate) fn deviation(
     interval: &Interval,
     z: [&Node; 2],
 ) -> SVector<f64, NS> {
-    let kappa = track.kappa_along();
+    let road = track.road();
     let at = |x: &SVector<f64, NS>, share: f64| {
         let share = share.clamp(INSIDE, 1.0 - INSIDE);
         let mut node = z[0] + (z[1] - z[0]) * share;
         node.fixed_rows_mut::<NS>(0).copy_from(x);
-        let rates =
-            model.rates(interval.mode, &node.into(), kappa(interval.s + share * interval.length));
+        let here = RoadPoint::of(&road, interval.s + share * interval.length);
+        let rates = model.rates(interval.mode, &node.into(), &here);
         SVector::<f64, NS>::from_fn(|i, _| rates[i])
     };
     let h = interval.length / f64::from(CHECKS);

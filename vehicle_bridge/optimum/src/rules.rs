@@ -1,6 +1,7 @@
 //! Limits of the actuators and the engine, as inequalities g >= 0 of an interval.
 
 use vehicle_model::CarParams;
+use vehicle_model::params::GOVERNOR_GAIN;
 
 use crate::interval::{Block, Curvature, Derivatives, NZ, Node, Values};
 
@@ -17,6 +18,8 @@ enum Rule {
     /// Driving power at the beginning of the interval, or in its middle, between the nodes' means:
     /// 1 - a v_x/limit >= 0.
     Power { limit: f64, share: [f64; 2] },
+    /// The governor near the top speed, at the beginning: 1 - v_x/top - a/(gain top) >= 0.
+    Governor { top: f64 },
 }
 
 /// Largest speed of an actuator.
@@ -57,6 +60,7 @@ impl Rules {
             rules.push(Rule::Power { limit, share: [1.0, 0.0] });
             rules.push(Rule::Power { limit, share: [0.5, 0.5] });
         }
+        rules.extend(car.speed_max.map(|top| Rule::Governor { top }));
         Self { rules }
     }
 
@@ -78,6 +82,7 @@ impl Rules {
                 let at = z[0] * share[0] + z[1] * share[1];
                 1.0 - at[0] * at[INPUTS] / limit
             }
+            Rule::Governor { top } => 1.0 - z[0][0] / top - z[0][INPUTS] / (GOVERNOR_GAIN * top),
             Rule::Moves { variable, end, sign, speed } => {
                 let (speed, _) = speed.at(z[end][variable], sign);
                 let change = z[1][variable] - z[0][variable];
@@ -102,6 +107,11 @@ impl Rules {
                     slope[0] = -share * at[INPUTS] / limit;
                     slope[INPUTS] = -share * at[0] / limit;
                 }
+                slope
+            }
+            Rule::Governor { top } => {
+                slope[0][0] = -1.0 / top;
+                slope[0][INPUTS] = -1.0 / (GOVERNOR_GAIN * top);
                 slope
             }
             Rule::Moves { variable, end, sign, speed } => {
@@ -139,6 +149,7 @@ impl Rules {
                 }
                 (0, 0.0)
             }
+            Rule::Governor { .. } => (0, 0.0),
             Rule::Moves { variable, end, sign, speed } => {
                 let (speed, by_position) = speed.at(z[end][variable], sign);
                 let weight = multiplier * interval.length / scale[variable];

@@ -1,7 +1,7 @@
 //! Where a solution starts: a line between the edges and speeds that a point mass could drive.
 
-use vehicle_model::CarParams;
 use vehicle_model::params::GRAVITY;
+use vehicle_model::{CarParams, RoadPoint};
 
 use crate::interval::{Interval, Node};
 
@@ -26,7 +26,7 @@ pub(crate) fn line(intervals: &[Interval], edges: &[[f64; 2]], inside: f64) -> V
             })
             .collect()
     };
-    let bends = average(&intervals.iter().map(|i| i.kappa[1]).collect::<Vec<f64>>());
+    let bends = average(&intervals.iter().map(|i| i.road[1].kappa).collect::<Vec<f64>>());
     let sharp = bends.iter().fold(f64::MIN_POSITIVE, |most, kappa| kappa.abs().max(most));
     let wanted: Vec<f64> = (0..n)
         .map(|k| {
@@ -55,18 +55,19 @@ pub(crate) fn drive(
     let mut length = vec![0.0; n];
     for k in 0..n {
         let slope = (e_y[after(k)] - e_y[k]) / intervals[k].length;
-        let scale = 1.0 - intervals[k].kappa[1] * f64::midpoint(e_y[k], e_y[after(k)]);
+        let scale = 1.0 - intervals[k].road[1].kappa * f64::midpoint(e_y[k], e_y[after(k)]);
         heading[k] = slope.atan2(scale);
         length[k] = intervals[k].length * slope.hypot(scale);
     }
     for k in 0..n {
         let turn = heading[k] - heading[before(k)];
         let road = 0.5
-            * (intervals[k].length * intervals[k].kappa[0]
-                + intervals[before(k)].length * intervals[before(k)].kappa[2]);
+            * (intervals[k].length * intervals[k].road[0].kappa
+                + intervals[before(k)].length * intervals[before(k)].road[2].kappa);
         kappa[k] = (turn + road) / f64::midpoint(length[k], length[before(k)]);
     }
-    let speed = speeds(car, &kappa, &length, share, stops);
+    let roads: Vec<RoadPoint> = intervals.iter().map(|i| i.road[0]).collect();
+    let speed = speeds(car, &kappa, &roads, &length, share, stops);
     let stiffness = |tyre: &vehicle_model::Tyre| tyre.b * tyre.c * tyre.mu * GRAVITY;
     (0..n)
         .map(|k| {
@@ -86,6 +87,7 @@ pub(crate) fn drive(
 fn speeds(
     car: &CarParams,
     kappa: &[f64],
+    roads: &[RoadPoint],
     length: &[f64],
     share: f64,
     stops: &[[f64; 2]; 2],
@@ -98,11 +100,16 @@ fn speeds(
     let fastest = if drag > 0.0 { (most / drag).sqrt() } else { f64::INFINITY };
     let mut v: Vec<f64> = kappa
         .iter()
-        .map(|kappa| {
+        .zip(roads)
+        .map(|(kappa, road)| {
             // v^2 kappa = share mu (g + down v^2)
             let left = kappa.abs() - share * mu * down;
-            let corner =
+            let flat =
                 if left > 1e-9 { (share * mu * GRAVITY / left).sqrt() } else { f64::INFINITY };
+            let corner = match road.surface {
+                None => flat,
+                Some(_) => road.corner_speed(*kappa, share * mu, down),
+            };
             corner.min(0.95 * fastest).min((2.0 * most * 1000.0 * length[0] * 1e3).sqrt())
         })
         .collect();

@@ -56,7 +56,7 @@ pub fn raceline(car: &CarParams, track: &Track, lap: &Optimum) -> String {
         }
         last = Some((pose.x, pose.y));
         // The point moves along v, whose direction turns with the yaw rate and the slip angle.
-        let rates = model.derivative(x, u, track.kappa(x.s));
+        let rates = model.derivative_along(x, u, &track.road());
         let speed = x.v_x.hypot(x.v_y);
         let along = (x.v_x * rates[0] + x.v_y * rates[1]) / speed;
         let turn = x.omega_z + (x.v_x * rates[1] - x.v_y * rates[0]) / (speed * speed);

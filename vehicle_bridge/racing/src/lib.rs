@@ -4,6 +4,7 @@
 
 pub mod files;
 mod plant;
+pub mod raceline;
 pub mod record;
 pub mod words;
 
@@ -265,7 +266,7 @@ impl Race {
         };
         let at = |x: &State, u: &Input| {
             let learned = self.controller.learned_model(x, u).sum().a;
-            let exact = plant.linearize(x, u, |s| self.options.track.kappa(s)).a;
+            let exact = plant.linearize(x, u, self.options.track.road()).a;
             (learned - exact).norm()
         };
         match self.options.model_error {

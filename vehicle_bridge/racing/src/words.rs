@@ -62,6 +62,7 @@ pub fn kind_word(kind: LapKind) -> &'static str {
     match kind {
         LapKind::Warmup => "warmup",
         LapKind::Learning => "learning",
+        LapKind::Driven => "driven",
     }
 }
 

@@ -81,6 +81,16 @@ pub(super) struct Along {
     pub(super) length: f64,
 }
 
+/// A line to compare laps with.
+pub(super) struct Line {
+    /// Name when the mouse rests on it.
+    pub(super) title: String,
+    /// Class of its style.
+    pub(super) class: &'static str,
+    /// Places [m] and values.
+    pub(super) points: Vec<(f64, f64)>,
+}
+
 impl Along {
     /// A value over s for every lap, hidden and shown by the lap chooser.
     pub(super) fn chart(
@@ -88,7 +98,7 @@ impl Along {
         laps: &[LapView<'_>],
         y_label: &str,
         value: impl Fn(&StepRow) -> f64,
-        optimal: Option<Vec<(f64, f64)>>,
+        lines: Vec<Line>,
         references: Vec<Reference>,
     ) -> String {
         let mut chart = Chart::new("s [m]", y_label);
@@ -105,8 +115,8 @@ impl Along {
                 points: self.points(lap, &value),
             });
         }
-        if let Some(points) = optimal {
-            let series = Series::new("time-optimal lap", "optimal", Mark::Line, points);
+        for Line { title, class, points } in lines {
+            let series = Series::new(&title, class, Mark::Line, points);
             chart.series.push(Series { label: None, ..series });
         }
         chart.references = references;

@@ -13,6 +13,7 @@ use vehicle_model::Track;
 
 use hosting::timing::{StepTime, percentile};
 use optimum_store::Known;
+use racing::raceline::Raceline;
 use racing::record::{Failure, LapRow, StepRow, is_fallback};
 use racing::words::kind_word;
 use svg_page::{card, escape, page, table};
@@ -38,6 +39,8 @@ pub struct Report<'a> {
     pub times: &'a [StepTime],
     /// The time-optimal lap, if it is known.
     pub optimum: Option<&'a Known>,
+    /// A raceline to compare with, if one is given.
+    pub raceline: Option<&'a Raceline>,
     /// How the run failed, if it did.
     pub failure: Option<&'a Failure>,
 }
@@ -81,8 +84,10 @@ impl Report<'_> {
         let off = self.failure.and(self.steps.last()).map(|row| (row.pose.x, row.pose.y));
         let mut body = self.facts(optimal);
         body.push_str(&chooser(&views));
-        let note = "Colour is speed; the dashed line is the time-optimal lap where one is known.";
-        body.push_str(&card("Track", note, &map::map(self.track, &views, optimal, off)));
+        let note = "Colour is speed; dashed is the time-optimal lap where one is known, dotted a \
+                    raceline that was given.";
+        let map = map::map(self.track, &views, (optimal, self.raceline), off);
+        body.push_str(&card("Track", note, &map));
         let mut times = curves::lap_times(self.laps, optimal);
         if let Some(detail) = curves::learned_lap_times(self.laps, optimal) {
             times.push_str("<h2>From the third learned lap on</h2>\n");
@@ -91,16 +96,17 @@ impl Report<'_> {
         body.push_str("<div class=\"columns\">\n");
         body.push_str(&card("Lap times", "", &times));
         let along = self.along();
-        let line = |at: usize| optimal.map(|o| o.points.iter().map(|p| (p[0], p[at])).collect());
-        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, line(2), Vec::new());
-        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, line(3), Vec::new()));
-        body.push_str(&card("Speed and line over the lap", "Dashed: time-optimal.", &speed));
+        let lines = |at: usize| self.lines(at);
+        let mut speed = along.chart(&views, "v_x [m/s]", |r| r.x.v_x, lines(2), Vec::new());
+        speed.push_str(&along.chart(&views, "e_y [m]", |r| r.x.e_y, lines(3), Vec::new()));
+        let note = "Dashed: time-optimal; dotted: the raceline.";
+        body.push_str(&card("Speed and line over the lap", note, &speed));
         if let Some(known) = optimal {
             let note = "Against the time-optimal lap, from the line on.";
             body.push_str(&card("Time lost", note, &lost::html(&views, known, along.length)));
         }
-        let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, None, Vec::new());
-        inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, None, Vec::new()));
+        let mut inputs = along.chart(&views, "a [m/s²]", |r| r.u.a, Vec::new(), Vec::new());
+        inputs.push_str(&along.chart(&views, "delta [rad]", |r| r.u.delta, Vec::new(), Vec::new()));
         body.push_str(&card("Inputs over the lap", "", &inputs));
         body.push_str(&self.tyres(&views));
         let note = "Distance between the learned linearisation and the simulated car's own, at \
@@ -112,7 +118,7 @@ impl Report<'_> {
             &views,
             "sum of kernel weights",
             |r| r.status.data_support_mean,
-            None,
+            Vec::new(),
             Vec::new(),
         );
         let note = "How much driven data stands behind the model along the plan. 0: the nominal \
@@ -131,6 +137,22 @@ impl Report<'_> {
         body.push_str(&self.settings());
         let title = format!("{} on {}", self.car, self.track.name());
         page(&title, self.lead, &body, include_str!("report.js"))
+    }
+
+    /// Time-optimal lap and raceline over s: speed (2) or e_y (3).
+    fn lines(&self, at: usize) -> Vec<curves::Line> {
+        let optimal = self.optimum.map(|known| curves::Line {
+            title: "time-optimal lap".to_owned(),
+            class: "optimal",
+            points: known.points.iter().map(|p| (p[0], p[at])).collect(),
+        });
+        let raceline = self.raceline.map(|line| {
+            let value = |p: &[f64; 3]| if at == 2 { p[2] } else { p[1] };
+            let points = line.along(self.track).iter().map(|p| (p[0], value(p))).collect();
+            curves::Line { title: line.name.clone(), class: "raceline", points }
+        });
+        let known = |(_, y): &(f64, f64)| y.is_finite();
+        optimal.into_iter().chain(raceline.filter(|r| r.points.iter().all(known))).collect()
     }
 
     fn views(&self) -> Vec<LapView<'_>> {
@@ -211,13 +233,13 @@ impl Report<'_> {
         let along = self.along();
         let limits = &self.config.limits;
         let (front, rear) = (curves::guard(limits.front_slip), curves::guard(limits.rear_slip));
-        let mut out = along.chart(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), None, front);
-        out.push_str(&along.chart(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), None, rear));
+        let mut out = along.chart(views, "|alpha_f| [rad]", |r| r.alpha_f.abs(), Vec::new(), front);
+        out.push_str(&along.chart(views, "|alpha_r| [rad]", |r| r.alpha_r.abs(), Vec::new(), rear));
         for (label, value) in [
             ("lateral force used, front", (|r| r.use_f) as fn(&StepRow) -> f64),
             ("lateral force used, rear", |r| r.use_r),
         ] {
-            out.push_str(&along.chart(views, label, value, None, Vec::new()));
+            out.push_str(&along.chart(views, label, value, Vec::new(), Vec::new()));
         }
         card("Tyre use", "Slip angles, and the share of each axle's largest lateral force.", &out)
     }

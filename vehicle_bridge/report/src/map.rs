@@ -6,6 +6,7 @@ use vehicle_model::Track;
 
 use super::LapView;
 use optimum_store::Known;
+use racing::raceline::Raceline;
 use racing::record::StepRow;
 use svg_page::escape;
 
@@ -59,7 +60,7 @@ impl SpeedRange {
 pub(super) fn map(
     track: &Track,
     laps: &[LapView<'_>],
-    optimal: Option<&Known>,
+    (optimal, raceline): (Option<&Known>, Option<&Raceline>),
     off_track: Option<(f64, f64)>,
 ) -> String {
     let all: Vec<StepRow> = laps.iter().flat_map(|lap| lap.steps.iter().copied()).collect();
@@ -77,6 +78,15 @@ pub(super) fn map(
             "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
             d(&line),
             optimal.lap_time_s
+        );
+    }
+    if let Some(raceline) = raceline {
+        let line: Vec<(f64, f64)> = raceline.points.iter().map(|p| (p[0], p[1])).collect();
+        let title = escape(&raceline.name);
+        let _ = writeln!(
+            out,
+            "<path class=\"path raceline\" d=\"{}Z\"><title>{title}</title></path>",
+            d(&line)
         );
     }
     if let Some((x, y)) = off_track {

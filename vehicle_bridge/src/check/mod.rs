@@ -1,5 +1,6 @@
 //! Finds every problem of a configuration, car, track or map file, not only the first.
 
+mod car;
 mod kinds;
 mod source;
 
@@ -79,6 +80,8 @@ pub struct Checked {
     pub file: String,
     /// What it is.
     pub kind: Kind,
+    /// What it was read as, in words; empty while there are problems.
+    pub facts: Vec<String>,
     /// Its problems, by line.
     pub problems: Vec<Finding>,
 }
@@ -90,6 +93,7 @@ pub fn check_file(path: &Path) -> Checked {
     let unreadable = |message: String| Checked {
         file: file.clone(),
         kind: Kind::Unknown,
+        facts: Vec::new(),
         problems: vec![Finding { line: None, column: None, message }],
     };
     let bytes = match fs::read(path) {
@@ -119,5 +123,9 @@ pub fn check_text(file: &str, text: &str) -> Checked {
         Kind::VehicleMap => kinds::vehicle_map(file, text),
     };
     problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
-    Checked { file: file.to_owned(), kind, problems }
+    let facts = match kind {
+        Kind::Car if problems.is_empty() => car::facts(text),
+        _ => Vec::new(),
+    };
+    Checked { file: file.to_owned(), kind, facts, problems }
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use vehicle_model::explain_unknown_key;
 
 use super::Finding;
 
@@ -181,7 +182,7 @@ impl Source {
     fn finding(&self, span: &Range<usize>, message: &str) -> Finding {
         let (line, column) = position(&self.text, span.start);
         let found = self.text.get(span.clone()).unwrap_or_default().lines().next().unwrap_or("");
-        let message = message.lines().collect::<Vec<_>>().join("; ");
+        let message = explain_unknown_key(message).lines().collect::<Vec<_>>().join("; ");
         let message = if found.is_empty() || message.contains(found) {
             message
         } else {

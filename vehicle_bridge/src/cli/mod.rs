@@ -1,10 +1,12 @@
 //! Command line of `lmpc`: the definitions that parsing, help and completions share.
 
 mod bench;
+mod car;
 mod export;
 mod fmu;
 mod hil;
 mod key;
+mod learn;
 mod network;
 mod operator;
 mod optimum;
@@ -19,10 +21,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bench::BenchArgs;
+pub use car::{CarAction, CarFileArgs, NewCarArgs};
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
 pub use key::{KeyAction, KeyArgs};
+pub use learn::LearnArgs;
 pub use network::{
     CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
 };
@@ -67,6 +71,8 @@ pub enum Command {
     Study(Box<StudyArgs>),
     /// Find the time-optimal lap of a car on a track
     Optimum(OptimumArgs),
+    /// Learn from laps that a person or another program drove
+    Learn(Box<LearnArgs>),
     /// Serve the controller on an LCM network
     Serve(Box<ServeArgs>),
     /// Put a vehicle on an LCM network
@@ -87,6 +93,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// Show, convert or make tracks: what an import changes, before and after
     Track(TrackArgs),
+    /// Begin a car file
+    Car(CarFileArgs),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix

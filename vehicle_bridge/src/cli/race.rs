@@ -63,9 +63,12 @@ pub struct RaceArgs {
     /// The vehicle FMU's map.
     #[command(flatten)]
     pub fmu: FmuVehicleArgs,
-    /// Folder for laps.csv, trajectory.csv, timings.csv and report.html
+    /// Folder for laps.csv, trajectory.csv, timings.csv, raceline.csv of the best lap and report.html
     #[arg(long, default_value = "out/race", value_name = "DIR")]
     pub out: PathBuf,
+    /// Raceline to draw beside the laps: TUM's 7 columns, or x, y and perhaps a speed
+    #[arg(long, value_name = "FILE")]
+    pub raceline: Option<PathBuf>,
     /// Find the time-optimal lap if none is kept, to measure the race against
     #[arg(long)]
     pub optimum: bool,

@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::Outcome;
 use crate::check::check_file;
 use crate::cli::CheckArgs;
-use crate::console::{BAD, GOOD, paint, result};
+use crate::console::{BAD, GOOD, SOFT, paint, result};
 
 /// Checks every file and prints what was found.
 pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
@@ -20,6 +20,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
                 0 => result(&format!("{name}: {kind}, {}", paint(GOOD, "no problems")))?,
                 1 => result(&format!("{name}: {kind}, {}", paint(BAD, "1 problem")))?,
                 n => result(&format!("{name}: {kind}, {}", paint(BAD, &format!("{n} problems"))))?,
+            }
+            for fact in &file.facts {
+                result(&paint(SOFT, &format!("  {fact}")))?;
             }
             for problem in &file.problems {
                 result(&format!("  {problem}"))?;

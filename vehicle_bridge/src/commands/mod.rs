@@ -1,12 +1,14 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod bench;
+mod car;
 mod check;
 mod doctor;
 mod export;
 mod fmu;
 mod hil;
 mod key;
+mod learn;
 mod network;
 mod operator;
 mod optimum;
@@ -65,6 +67,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
         Command::Optimum(args) => optimum::run(&args, talk),
+        Command::Learn(args) => learn::run(&args, talk),
         Command::Serve(args) => network::serve(&args, talk),
         Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
             Vehicle::Sim(args) => network::sim(&args, None, talk),
@@ -80,6 +83,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Export(args) => export::run(&args, talk),
         Command::Bench(args) => bench::run(&args, talk),
         Command::Track(args) => track::run(&args),
+        Command::Car(args) => car::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),

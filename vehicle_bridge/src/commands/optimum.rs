@@ -8,7 +8,7 @@ use optimum::{Optimum, Options, Progress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::Outcome;
+use super::{Outcome, setup};
 use crate::cli::OptimumArgs;
 use crate::console::{BEST, SOFT, Talk, paint, result};
 use hosting::load;
@@ -95,7 +95,9 @@ fn margin(args: &OptimumArgs, car: &CarParams, track: &Track) -> Result<f64> {
     if let Some(path) = &args.config {
         layers.file(path)?;
     }
-    Ok(layers.build_for(car, track)?.limits.lane_margin)
+    // The margin of a race follows from the car that its controller believes in.
+    let nominal = setup::nominal(&args.car, car.clone(), None)?;
+    Ok(layers.build_for(&nominal, track)?.limits.lane_margin)
 }
 
 fn summary(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> serde_json::Value {

@@ -12,6 +12,7 @@ use crate::cli::RaceArgs;
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 use hosting::learned;
 use optimum_store::{Known, Store};
+use racing::raceline::{self, Raceline};
 use racing::record::{StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
 use racing::{Race, RaceOptions, files};
@@ -22,6 +23,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut options = setup::race(&args.controller, args.laps, talk)?;
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
+    let raceline = given_line(args)?;
     if let Some(count) = args.seeds {
         return seeds::run(args, &options, count, known, talk);
     }
@@ -41,7 +43,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         ));
     }
     drive(&mut race, args.json, talk)?;
-    write(&args.out, &race, &options, &lead, known)?;
+    write(&args.out, &race, &options, &lead, (known, raceline.as_ref()))?;
     if let Some(path) = &args.save {
         learned::save(path, race.controller())?;
         talk.say(&format!("learned data saved to {}", path.display()));
@@ -103,7 +105,7 @@ pub(super) fn write(
     race: &Race,
     options: &RaceOptions,
     lead: &str,
-    optimum: Option<&Known>,
+    (optimum, raceline): (Option<&Known>, Option<&Raceline>),
 ) -> Result<()> {
     let at = |name: &str| out.join(name);
     let failed = |name: &str| format!("cannot write {}", at(name).display());
@@ -112,6 +114,9 @@ pub(super) fn write(
         .with_context(|| failed("trajectory.csv"))?;
     files::write_timings(&at("timings.csv"), &race.steps, &race.times)
         .with_context(|| failed("timings.csv"))?;
+    if let Some(text) = learned_line(race, options) {
+        fs::write(at("raceline.csv"), text).with_context(|| failed("raceline.csv"))?;
+    }
     let report = Report {
         car: &options.plant.car.name,
         track: &options.track,
@@ -121,9 +126,33 @@ pub(super) fn write(
         steps: &race.steps,
         times: &race.times,
         optimum,
+        raceline,
         failure: race.failure.as_ref(),
     };
     fs::write(at("report.html"), report.html()).with_context(|| failed("report.html"))
+}
+
+/// The best learned lap as a raceline.
+fn learned_line(race: &Race, options: &RaceOptions) -> Option<String> {
+    let best = best_lap(&race.laps)?;
+    let steps: Vec<StepRow> =
+        race.steps.iter().filter(|row| row.status.lap == best.result.lap).copied().collect();
+    let title = format!(
+        "{} on {}, learned lap {:.6} s",
+        options.plant.car.name,
+        options.track.name(),
+        best.result.lap_time
+    );
+    Some(raceline::text(&title, &steps, options.config.horizon.period))
+}
+
+/// The raceline that was given to compare with.
+pub(super) fn given_line(args: &RaceArgs) -> Result<Option<Raceline>> {
+    let Some(path) = &args.raceline else { return Ok(None) };
+    let shown = path.display().to_string();
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+    let line = raceline::read(&shown, &text);
+    Ok(Some(line.with_context(|| format!("{shown} is no raceline"))?))
 }
 
 /// The time-optimal lap to measure against: a kept one, or one found now if that is asked for.

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use serde_json::json;
 
-use super::race::{lead, measured, outcome, write};
+use super::race::{given_line, lead, measured, outcome, write};
 use super::{Outcome, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, GOOD, Talk, paint, result};
@@ -39,6 +39,7 @@ pub(super) fn run(
     talk: Talk,
 ) -> Result<Outcome> {
     let seeds: Vec<u64> = (0..u64::from(count)).map(|i| args.seed + i).collect();
+    let raceline = given_line(args)?;
     talk.say(&lead(base));
     let mut done: Vec<Seed> = Vec::new();
     let work = |&seed: &u64| -> Result<Seed> {
@@ -50,7 +51,7 @@ pub(super) fn run(
         let folder = args.out.join(format!("seed-{seed}"));
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        write(&folder, &race, &options, &lead(&options), known)?;
+        write(&folder, &race, &options, &lead(&options), (known, raceline.as_ref()))?;
         Ok(sum_up(seed, &race))
     };
     parallel(&seeds, threads(args.jobs), work, |_, seed| -> Result<()> {

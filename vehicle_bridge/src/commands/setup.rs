@@ -32,10 +32,6 @@ pub(super) fn race(args: &ControllerArgs, laps: u32, talk: Talk) -> Result<RaceO
         let see = format!("`lmpc track show {}` lists them", args.track);
         talk.say(&paint(SOFT, &format!("{}: {more} more changes; {see}", args.track)));
     }
-    if !track.stations().is_empty() {
-        let text = "its bank, slope, friction and speed limits have no effect on the car yet";
-        talk.say(&paint(WARN, &format!("warning: {}: {text}", args.track)));
-    }
     for problem in track.problems_for(&car) {
         if matches!(problem, TrackError::TooNarrow { .. }) {
             bail!("{} does not fit on {}: {problem}", args.car, args.track);
@@ -55,20 +51,26 @@ pub(super) fn assemble(
 ) -> Result<RaceOptions> {
     let mut plant = PlantParams::new(car.clone());
     change_plant(&mut plant, &args.plant)?;
-    let default_mu = (args.car == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
-    let nominal = match args.nominal_mu.or(default_mu) {
-        Some(mu) if !(mu > 0.0 && mu.is_finite()) => {
-            bail!(Usage(format!("--nominal-mu {mu}: expected a number above 0")))
-        }
-        Some(mu) => car.with_mu(mu),
-        None => car,
-    };
+    let nominal = nominal(&args.car, car, args.nominal_mu)?;
     let config = config(args, &nominal, &track)?;
     Ok(RaceOptions {
         laps,
         plant,
         model_error: ModelErrorAt::Now,
         ..RaceOptions::new(config, nominal, track)
+    })
+}
+
+/// The car a controller believes in: with the given grip, or by default with the paper's for the small
+/// car and its own for any other.
+pub(super) fn nominal(name: &str, car: CarParams, mu: Option<f64>) -> Result<CarParams> {
+    let default_mu = (name == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
+    Ok(match mu.or(default_mu) {
+        Some(mu) if !(mu > 0.0 && mu.is_finite()) => {
+            bail!(Usage(format!("--nominal-mu {mu}: expected a number above 0")))
+        }
+        Some(mu) => car.with_mu(mu),
+        None => car,
     })
 }
 

@@ -61,7 +61,7 @@ impl Circuit {
 
     /// Drives one period.
     pub fn drive(&mut self, command: &Command) {
-        self.x = self.car.next(&self.x, &command.input, self.track.kappa_along());
+        self.x = self.car.next(&self.x, &command.input, self.track.road());
         self.periods += 1;
     }
 }

@@ -10,6 +10,7 @@ use super::{DIRECTIONS, Discretized, Linearization};
 use crate::model::{Model, ModelKind, PoseConvention, state_array};
 use crate::number::{Mask, Number};
 use crate::params::CarParams;
+use crate::road::{Road, Surface};
 use crate::state::{Input, NX, State};
 
 type Oracle = DualSVec64<DIRECTIONS>;
@@ -55,12 +56,36 @@ fn kappa(s: f64) -> f64 {
     0.02 + 0.01 * s.sin()
 }
 
+/// The same bends on hills with banks of changing grip.
+#[derive(Clone, Copy)]
+struct Hills;
+
+impl Road for Hills {
+    fn kappa(&self, s: f64) -> f64 {
+        kappa(s)
+    }
+
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    fn surface(&self, s: f64) -> Surface {
+        Surface {
+            bank: 0.3 * (0.1 * s).sin(),
+            slope: 0.1 * (0.2 * s).cos(),
+            bank_rate: 0.03 * (0.1 * s).cos(),
+            slope_rate: -0.02 * (0.2 * s).sin(),
+            friction: 0.9 + 0.1 * s.cos(),
+        }
+    }
+}
+
 /// Dual numbers of the whole step, the same equations and nothing else in common.
-fn expected(step: &Discretized, x: &State, u: &Input) -> [Oracle; NX] {
+fn expected(step: &Discretized, x: &State, u: &Input, road: &impl Road) -> [Oracle; NX] {
     let values = state_array(x);
     let state = std::array::from_fn(|i| Oracle::from_re(values[i]).derivative(i));
     let input = [Oracle::from_re(u.a).derivative(NX), Oracle::from_re(u.delta).derivative(NX + 1)];
-    step.step(&state, &input, &step.model.grip.map(Oracle::from_re), &kappa)
+    step.step(&state, &input, &step.model.grip.map(Oracle::from_re), road)
 }
 
 /// Largest deviation relative to the largest entry of the row [-].
@@ -103,6 +128,15 @@ fn points(random: &mut Pcg64Mcg, speed: f64, many: usize) -> Vec<(State, Input)>
 
 #[test]
 fn jacobians_agree_with_dual_numbers_of_another_crate() {
+    agree(kappa, 1e-12);
+}
+
+#[test]
+fn jacobians_on_hills_agree_with_dual_numbers_of_another_crate() {
+    agree(Hills, 1e-11);
+}
+
+fn agree(road: impl Road + Copy, tolerance: f64) {
     let mut random = Pcg64Mcg::seed_from_u64(6);
     for (car, speed) in [("barc", 4.0), ("mini", 4.0), ("kart", 20.0), ("iac", 90.0)] {
         let params = CarParams::builtin(car).unwrap();
@@ -125,15 +159,15 @@ fn jacobians_agree_with_dual_numbers_of_another_crate() {
                 for many in [1, 2, 3, 4, 5, 60, 203] {
                     let points = points(&mut random, speed, many);
                     let mut seen = 0;
-                    step.linearize_all(&points, kappa, |i, found| {
+                    step.linearize_all(&points, road, |i, found| {
                         assert_eq!(i, seen);
                         seen += 1;
                         let (x, u) = &points[i];
-                        let worst = deviation(&found, &expected(&step, x, u));
-                        assert!(worst < 1e-12, "{car} {kind:?}: {worst:e} at {x:?} {u:?}");
+                        let worst = deviation(&found, &expected(&step, x, u, &road));
+                        assert!(worst < tolerance, "{car} {kind:?}: {worst:e} at {x:?} {u:?}");
                         // One by one, and without derivatives: the same to the last bit.
-                        assert_eq!(found, step.linearize(x, u, kappa));
-                        assert_eq!(found.next, step.next(x, u, kappa).to_vector());
+                        assert_eq!(found, step.linearize(x, u, road));
+                        assert_eq!(found.next, step.next(x, u, road).to_vector());
                     });
                     assert_eq!(seen, many);
                 }

@@ -15,6 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::{Discretized, Linearization, Rates, Stage, runge_kutta_4};
 use crate::model::{Held, pose_rates, state_array};
 use crate::number::{Dual, Lanes, Real};
+use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
 
 /// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block:
@@ -43,9 +44,9 @@ pub(super) fn linearize(
     step: &Discretized,
     x: &State,
     u: &Input,
-    kappa: &impl Fn(f64) -> f64,
+    road: &impl Road,
 ) -> Linearization {
-    let y = integrate(step, &state_array(x), [u.a, u.delta], By::Input, kappa);
+    let y = integrate(step, &state_array(x), [u.a, u.delta], By::Input, road);
     unpack(|i| y[i])
 }
 
@@ -54,21 +55,21 @@ pub(super) fn linearize_all(
     step: &Discretized,
     points: &[(State, Input)],
     by: By,
-    kappa: &impl Fn(f64) -> f64,
+    road: &impl Road,
     found: &mut impl FnMut(usize, Linearization),
 ) {
-    Arch::new().dispatch(Task { step, points, by, kappa, found });
+    Arch::new().dispatch(Task { step, points, by, road, found });
 }
 
 struct Task<'a, K, F> {
     step: &'a Discretized,
     points: &'a [(State, Input)],
     by: By,
-    kappa: &'a K,
+    road: &'a K,
     found: &'a mut F,
 }
 
-impl<K: Fn(f64) -> f64, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K, F> {
+impl<K: Road, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K, F> {
     type Output = ();
 
     #[inline(always)]
@@ -83,7 +84,7 @@ impl<K: Fn(f64) -> f64, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K,
             }
             let a = Lanes::from_fn(simd, |lane| point(lane).1.a);
             let delta = Lanes::from_fn(simd, |lane| point(lane).1.delta);
-            let y = integrate(self.step, &x, [a, delta], self.by, self.kappa);
+            let y = integrate(self.step, &x, [a, delta], self.by, self.road);
             for lane in 0..points.len() {
                 (self.found)(first + lane, unpack(|i| y[i].lane(lane)));
             }
@@ -99,7 +100,7 @@ fn integrate<T: Real>(
     x: &[T; NX],
     u: [T; NU],
     by: By,
-    kappa: &impl Fn(f64) -> f64,
+    road: &impl Road,
 ) -> [T; ALL] {
     let mut y = [x[0].constant(0.0); ALL];
     y[..NX].copy_from_slice(x);
@@ -109,7 +110,7 @@ fn integrate<T: Real>(
     }
     (y[Q], y[Q + 5]) = (one, one);
     let (substeps, h) = step.grid();
-    let system = System::new(step, u, by, kappa);
+    let system = System::new(step, u, by, road);
     for _ in 0..substeps {
         y = runge_kutta_4(&y, h, &system);
     }
@@ -143,30 +144,30 @@ struct System<'a, T, K> {
     step: &'a Discretized,
     held: Held<Dual<T, N>>,
     grip: [Dual<T, N>; 2],
-    kappa: &'a K,
+    road: &'a K,
 }
 
 impl<'a, T: Real, K> System<'a, T, K> {
     #[inline(always)]
-    fn new(step: &'a Discretized, u: [T; NU], by: By, kappa: &'a K) -> Self {
+    fn new(step: &'a Discretized, u: [T; NU], by: By, road: &'a K) -> Self {
         let grip = step.model.grip.map(|grip| u[0].constant(grip));
         let parameters = |p: [T; 2]| [Dual::direction(p[0], 3), Dual::direction(p[1], 4)];
         let (u, grip) = match by {
             By::Input => (parameters(u), grip.map(Dual::fixed)),
             By::Grip => (u.map(Dual::fixed), parameters(grip)),
         };
-        Self { step, held: Held::new(&u), grip, kappa }
+        Self { step, held: Held::new(&u), grip, road }
     }
 }
 
-impl<T: Real, K: Fn(f64) -> f64> Rates<T, ALL> for System<'_, T, K> {
+impl<T: Real, K: Road> Rates<T, ALL> for System<'_, T, K> {
     #[inline(always)]
     fn rates(&self, y: &[T; ALL], _: f64, stage: &mut Stage<T, ALL>) {
         let seed = Dual::<T, N>::direction;
         let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
-        let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip);
+        let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip, None);
         let pose = [seed(y[3], 3), Dual::fixed(y[4]), seed(y[5], 4)];
-        let pose_dot = pose_rates(&v, &pose, y[4].map(self.kappa));
+        let pose_dot = pose_rates(&v, &pose, y[4].map(|s| self.road.kappa(s)));
 
         // The curvature is frozen: no rate depends on s.
         for row in 0..3 {

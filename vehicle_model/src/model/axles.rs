@@ -1,7 +1,8 @@
 //! Longitudinal forces and vertical loads of the two axles.
 
+use super::Ground;
 use crate::number::{Mask, Number, Real};
-use crate::params::{CarParams, GRAVITY};
+use crate::params::{CarParams, GOVERNOR_GAIN, GRAVITY};
 
 /// Speed below which rolling resistance fades to zero, so that it stops a car and does not push
 /// it [m/s].
@@ -36,10 +37,16 @@ pub(super) struct Longitudinal<T> {
 
 /// Splits the commanded acceleration between the axles, inside power and force limits.
 #[inline(always)]
-pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitudinal<T> {
+pub(super) fn longitudinal<T: Number>(
+    car: &CarParams,
+    v_x: T,
+    a: T,
+    below: Option<&Ground<T>>,
+) -> Longitudinal<T> {
     let braking = a.below(0.0);
     let front_acts = car.drive_front != 0.0 || car.brake_front != 0.0;
-    let a = limited(car, v_x, a, braking);
+    let resistance = resistance(car, v_x, below);
+    let a = limited(car, v_x, a, braking, resistance);
     let axle = if front_acts {
         let (brake, drive) = (car.brake_front, car.drive_front);
         [
@@ -49,12 +56,12 @@ pub(super) fn longitudinal<T: Number>(car: &CarParams, v_x: T, a: T) -> Longitud
     } else {
         [a.constant(0.0), a]
     };
-    Longitudinal { axle, front_acts, resistance: resistance(car, v_x) }
+    Longitudinal { axle, front_acts, resistance }
 }
 
 /// The commanded acceleration inside the limits of engine and brakes.
 #[inline(always)]
-fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
+fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>, resistance: Option<T>) -> T {
     let mut driven = a;
     if let Some(force) = car.drive_force_max {
         let most = force / car.mass;
@@ -66,6 +73,14 @@ fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
         let most = speed.recip() * (power / car.mass);
         driven = T::select(most.real().less(driven.real()), most, driven);
     }
+    if let Some(top) = car.speed_max {
+        let mut most = (-v_x + top) * GOVERNOR_GAIN;
+        if let Some(resistance) = resistance {
+            most = most + resistance;
+        }
+        driven = T::select(most.real().less(driven.real()), most, driven);
+        driven = T::select(driven.below(0.0), a.constant(0.0), driven);
+    }
     let mut braked = a;
     if let Some(force) = car.brake_force_max {
         let least = -force / car.mass;
@@ -76,7 +91,7 @@ fn limited<T: Number>(car: &CarParams, v_x: T, a: T, braking: Mask<T>) -> T {
 
 /// Deceleration by drag, rolling resistance and the studies' linear drag.
 #[inline(always)]
-fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
+fn resistance<T: Number>(car: &CarParams, v_x: T, below: Option<&Ground<T>>) -> Option<T> {
     let drag = 0.5 * car.rho * car.cd * car.area / car.mass;
     if drag == 0.0 && car.rolling == 0.0 && car.linear_drag == 0.0 {
         return None;
@@ -84,7 +99,8 @@ fn resistance<T: Number>(car: &CarParams, v_x: T) -> Option<T> {
     let mut sum = v_x * v_x.abs() * drag + v_x * car.linear_drag;
     if car.rolling != 0.0 {
         let speed = (v_x * v_x + ROLLING_FADE_SPEED * ROLLING_FADE_SPEED).sqrt();
-        sum = sum + v_x * speed.recip() * (car.rolling * GRAVITY);
+        let rolling = v_x * speed.recip() * (car.rolling * GRAVITY);
+        sum = sum + below.map_or(rolling, |below| rolling * below.load);
     }
     Some(sum)
 }
@@ -95,9 +111,13 @@ pub(super) fn vertical_loads<T: Number>(
     car: &CarParams,
     v_x: T,
     along: &Longitudinal<T>,
+    below: Option<&Ground<T>>,
 ) -> [T; 2] {
     let fixed = car.static_loads();
     let mut loads = [v_x.constant(fixed[0]), v_x.constant(fixed[1])];
+    if let Some(below) = below {
+        loads = fixed.map(|fixed| below.load * fixed);
+    }
     let pressure = 0.5 * car.rho * car.area;
     for (load, cl) in loads.iter_mut().zip([car.cl_front, car.cl_rear]) {
         if pressure * cl != 0.0 {

@@ -8,7 +8,7 @@
 //! acts along the wheel: cos(delta) of it forward, sin(delta) to the left.
 
 use super::axles::{AxleForces, Longitudinal, longitudinal, vertical_loads};
-use super::{Held, kinematic, tyre};
+use super::{Ground, Held, kinematic, tyre};
 use crate::number::{Number, Real};
 use crate::params::{CarParams, Tyre};
 use crate::state::NU;
@@ -24,18 +24,19 @@ pub(super) fn velocity_rates<T: Number>(
     v: &[T; 3],
     u: &Held<T>,
     grip: &[T; 2],
+    below: Option<&Ground<T>>,
 ) -> [T; 3] {
     let (low, high) = (car.blend_speed_low, car.blend_speed_high);
     let blends = low != 0.0 || high != 0.0;
     let (acting, blended) = (v[0].above(low), v[0].below(high));
     if blends && !v[0].real().any(acting) {
-        return kinematic::velocity_rates(car, v, u);
+        return kinematic::velocity_rates(car, v, u, below);
     }
-    let tyres = tyre_rates(car, v, u, grip);
+    let tyres = tyre_rates(car, v, u, grip, below);
     if !blends || !v[0].real().any(blended) {
         return tyres;
     }
-    let rolling = kinematic::velocity_rates(car, v, u);
+    let rolling = kinematic::velocity_rates(car, v, u, below);
     // Share of the tyre model, a smoothstep between the blend speeds.
     let t = (v[0] - low) * (1.0 / (high - low));
     let share = t * t * (-(t * 2.0) + 3.0);
@@ -49,11 +50,17 @@ pub(super) fn velocity_rates<T: Number>(
 
 /// Rates by the tyre forces alone.
 #[inline(always)]
-fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &Held<T>, grip: &[T; 2]) -> [T; 3] {
+fn tyre_rates<T: Number>(
+    car: &CarParams,
+    v: &[T; 3],
+    u: &Held<T>,
+    grip: &[T; 2],
+    below: Option<&Ground<T>>,
+) -> [T; 3] {
     let [v_x, v_y, omega_z] = *v;
     let Held { a, delta, sin_delta, cos_delta } = *u;
-    let along = longitudinal(car, v_x, a);
-    let forces = axle_forces(car, v, delta, grip, &along);
+    let along = longitudinal(car, v_x, a, below);
+    let forces = axle_forces(car, v, delta, grip, &along, below);
     let [f_yf, f_yr] = forces.lateral;
     let [f_xf, f_xr] = forces.long;
 
@@ -78,6 +85,10 @@ fn tyre_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &Held<T>, grip: &[T; 2]
     if let Some(resistance) = along.resistance {
         a_x = a_x - resistance;
     }
+    if let Some(below) = below {
+        a_x = a_x + below.gravity[0];
+        v_y_dot = v_y_dot + below.gravity[1];
+    }
     [a_x - f_yf * sin_delta * per_mass + omega_z * v_y, v_y_dot, omega_z_dot]
 }
 
@@ -88,8 +99,9 @@ pub(super) fn forces<T: Number>(
     v: &[T; 3],
     u: &[T; NU],
     grip: &[T; 2],
+    below: Option<&Ground<T>>,
 ) -> AxleForces<T> {
-    axle_forces(car, v, u[1], grip, &longitudinal(car, v[0], u[0]))
+    axle_forces(car, v, u[1], grip, &longitudinal(car, v[0], u[0], below), below)
 }
 
 #[inline(always)]
@@ -99,9 +111,10 @@ fn axle_forces<T: Number>(
     delta: T,
     grip: &[T; 2],
     along: &Longitudinal<T>,
+    below: Option<&Ground<T>>,
 ) -> AxleForces<T> {
     let slip = tyre::slip_angles(car.l_f, car.l_r, v, delta);
-    let vertical = vertical_loads(car, v[0], along);
+    let vertical = vertical_loads(car, v[0], along, below);
     let [front, rear] = along.axle;
     let front = axle_force(car, &car.tyre_front, vertical[0], grip[0], slip[0], front * car.mass);
     let rear = axle_force(car, &car.tyre_rear, vertical[1], grip[1], slip[1], rear * car.mass);

@@ -4,8 +4,8 @@
 //!
 //! As a six-state model v_y and omega_z are states that follow these values.
 
-use super::Held;
 use super::axles::longitudinal;
+use super::{Ground, Held};
 use crate::number::Number;
 use crate::params::CarParams;
 
@@ -22,19 +22,24 @@ pub(super) fn velocities<T: Number>(car: &CarParams, v_x: T, tan_delta: T) -> [T
 
 /// v_x' by the command and what resists.
 #[inline(always)]
-pub(super) fn speed_rate<T: Number>(car: &CarParams, v_x: T, a: T) -> T {
-    let along = longitudinal(car, v_x, a);
+pub(super) fn speed_rate<T: Number>(car: &CarParams, v_x: T, a: T, below: Option<&Ground<T>>) -> T {
+    let along = longitudinal(car, v_x, a, below);
     let mut a = if along.front_acts { along.axle[0] + along.axle[1] } else { along.axle[1] };
     if let Some(resistance) = along.resistance {
         a = a - resistance;
     }
-    a
+    below.map_or(a, |below| a + below.gravity[0])
 }
 
 /// Rates of v_x, v_y and omega_z towards the rolling values.
 #[inline(always)]
-pub(super) fn velocity_rates<T: Number>(car: &CarParams, v: &[T; 3], u: &Held<T>) -> [T; 3] {
-    let a = speed_rate(car, v[0], u.a);
+pub(super) fn velocity_rates<T: Number>(
+    car: &CarParams,
+    v: &[T; 3],
+    u: &Held<T>,
+    below: Option<&Ground<T>>,
+) -> [T; 3] {
+    let a = speed_rate(car, v[0], u.a, below);
     let tan_delta = u.tan_delta();
     let rolling = velocities(car, v[0], tan_delta);
     let along = velocities(car, a, tan_delta);

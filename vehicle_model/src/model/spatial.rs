@@ -1,8 +1,9 @@
 //! The equations of motion per metre of the centre line instead of per second, with first and
 //! second derivatives: what an optimisation along s needs.
 
-use super::{Held, Model};
+use super::{Held, Model, Terrain};
 use crate::number::{Jet, Number};
+use crate::road::{Road as _, RoadPoint};
 
 /// Number of quantities the rates depend on: [v_x, v_y, omega_z, e_psi, e_y, a, delta].
 pub const SPATIAL_VARIABLES: usize = 7;
@@ -22,20 +23,27 @@ pub struct SpatialExpansion {
 }
 
 impl Model {
-    /// Rates of [v_x, v_y, omega_z, e_psi, e_y, t] per metre of the centre line at
-    /// z = [v_x, v_y, omega_z, e_psi, e_y, a, delta] where the centre line's curvature is `kappa`
-    /// \[1/m\]. A pace that is not above 0 means that the car does not go forward along the line.
+    /// Rates of [v_x, v_y, omega_z, e_psi, e_y, t] per metre of the centre line in plan view at
+    /// z = [v_x, v_y, omega_z, e_psi, e_y, a, delta] at a place of a road. A pace that is not above 0 means that the car does not go forward along the line.
     #[must_use]
-    pub fn spatial_rates(&self, z: &[f64; SPATIAL_VARIABLES], kappa: f64) -> [f64; SPATIAL_RATES] {
-        self.spatial_generic(z, kappa, &self.grip)
+    pub fn spatial_rates(
+        &self,
+        z: &[f64; SPATIAL_VARIABLES],
+        road: &RoadPoint,
+    ) -> [f64; SPATIAL_RATES] {
+        self.spatial_generic(z, road, &self.grip)
     }
 
     /// [`Model::spatial_rates`] with first and second derivatives.
     #[must_use]
-    pub fn spatial_expansion(&self, z: &[f64; SPATIAL_VARIABLES], kappa: f64) -> SpatialExpansion {
+    pub fn spatial_expansion(
+        &self,
+        z: &[f64; SPATIAL_VARIABLES],
+        road: &RoadPoint,
+    ) -> SpatialExpansion {
         type Second = Jet<SPATIAL_VARIABLES, { SPATIAL_VARIABLES * (SPATIAL_VARIABLES + 1) / 2 }>;
         let z: [Second; SPATIAL_VARIABLES] = std::array::from_fn(|i| Jet::direction(z[i], i));
-        let rates = self.spatial_generic(&z, kappa, &self.grip.map(Jet::fixed));
+        let rates = self.spatial_generic(&z, road, &self.grip.map(Jet::fixed));
         SpatialExpansion {
             value: rates.map(|rate| rate.value),
             jacobian: rates.map(|rate| rate.gradient),
@@ -49,12 +57,18 @@ impl Model {
     fn spatial_generic<T: Number>(
         &self,
         z: &[T; SPATIAL_VARIABLES],
-        kappa: T::Real,
+        road: &RoadPoint,
         grip: &[T; 2],
     ) -> [T; SPATIAL_RATES] {
         let x = [z[0], z[1], z[2], z[3], z[0].constant(0.0), z[4]];
         let u = Held::new(&[z[5], z[6]]);
-        let [v_x, v_y, omega_z, e_psi, s, e_y] = self.derivative_generic(&x, &u, kappa, grip);
+        let nowhere = z[0].real().constant(0.0);
+        let rates = if road.is_flat() {
+            self.derivative_generic(&x, &u, nowhere.constant(road.kappa), grip)
+        } else {
+            self.derivative_on(&x, &u, &Terrain::new(road, nowhere), grip)
+        };
+        let [v_x, v_y, omega_z, e_psi, s, e_y] = rates;
         let pace = s.recip();
         [v_x * pace, v_y * pace, omega_z * pace, e_psi * pace, e_y * pace, pace]
     }
@@ -65,23 +79,28 @@ mod tests {
     use super::*;
     use crate::model::ModelKind;
     use crate::params::CarParams;
+    use crate::road::Surface;
 
     /// Differences of the values give the Jacobian, differences of the Jacobian the Hessian.
     #[test]
     fn derivatives_agree_with_central_differences() {
-        for name in CarParams::builtin_names() {
+        let surface =
+            Surface { bank: -0.15, slope: 0.06, bank_rate: 0.02, slope_rate: -0.01, friction: 0.9 };
+        let roads = [RoadPoint::flat(0.05), RoadPoint { kappa: 0.05, surface: Some(surface) }];
+        let names = CarParams::builtin_names();
+        for (name, road) in names.iter().flat_map(|name| roads.map(|road| (name, road))) {
             let car = CarParams::builtin(name).unwrap();
             let v = 3.0 * (9.81 * car.wheelbase()).sqrt();
             let model = Model::new(ModelKind::Dynamic, car);
             let z = [v, -0.02 * v, 0.05 * v, 0.1, 0.2, -0.7, 0.06];
-            let exact = model.spatial_expansion(&z, 0.05);
-            assert_eq!(exact.value, model.spatial_rates(&z, 0.05));
+            let exact = model.spatial_expansion(&z, &road);
+            assert_eq!(exact.value, model.spatial_rates(&z, &road));
             for i in 0..SPATIAL_VARIABLES {
                 let h = 1e-6;
                 let at = |step: f64| {
                     let mut moved = z;
                     moved[i] += step;
-                    model.spatial_expansion(&moved, 0.05)
+                    model.spatial_expansion(&moved, &road)
                 };
                 let (ahead, behind) = (at(h), at(-h));
                 for row in 0..SPATIAL_RATES {

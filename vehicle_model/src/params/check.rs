@@ -91,6 +91,7 @@ impl CarParams {
             ("power_max_w", self.power_max, Positive),
             ("drive_force_max_n", self.drive_force_max, Positive),
             ("brake_force_max_n", self.brake_force_max, Positive),
+            ("speed_max_mps", self.speed_max, Positive),
             ("a_min_mps2", Some(self.a_min), Negative),
             ("a_max_mps2", Some(self.a_max), Positive),
             ("delta_max_rad", Some(self.delta_max), Steering),

@@ -2,18 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CarParams, GRAVITY, Secant, Tyre};
+use super::tyre_file::TyreFile;
+use super::{CarParams, GRAVITY};
 use crate::error::ModelError;
-
-/// Friction of an axle as the file gives it: `mu`, or the peak force at static load.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TyreFile {
-    b: f64,
-    c: f64,
-    mu: Option<f64>,
-    peak_n: Option<f64>,
-}
 
 /// The keys of a car file; `CarParams` holds their meaning.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -42,7 +33,9 @@ struct CarFile {
     rolling: f64,
     #[serde(default)]
     linear_drag_per_s: f64,
+    #[serde(default)]
     drive_front: f64,
+    #[serde(default, alias = "brake_balance")]
     brake_front: f64,
     #[serde(default = "on")]
     front_force_yaw: bool,
@@ -51,6 +44,7 @@ struct CarFile {
     power_max_w: Option<f64>,
     drive_force_max_n: Option<f64>,
     brake_force_max_n: Option<f64>,
+    speed_max_mps: Option<f64>,
     a_min_mps2: f64,
     a_max_mps2: f64,
     delta_max_rad: f64,
@@ -60,8 +54,8 @@ struct CarFile {
     actuator_lag_s: f64,
     #[serde(default)]
     actuator_delay_s: f64,
-    blend_speed_low_mps: f64,
-    blend_speed_high_mps: f64,
+    blend_speed_low_mps: Option<f64>,
+    blend_speed_high_mps: Option<f64>,
     tyre_front: TyreFile,
     tyre_rear: TyreFile,
 }
@@ -124,27 +118,12 @@ impl CarFile {
         let weight = self.mass_kg * GRAVITY;
         let wheelbase = self.l_f_m + self.l_r_m;
         let mut problems = Vec::new();
-        let mut tyre = |file: &TyreFile, section, load: f64| {
-            let mu = match (file.mu, file.peak_n) {
-                (Some(mu), None) => mu,
-                (None, Some(peak)) => peak / load,
-                (found, _) => {
-                    problems.push(super::ParamProblem {
-                        section,
-                        key: "mu",
-                        found: if found.is_some() { "mu and peak_n" } else { "neither" }.to_owned(),
-                        expected: "either mu or peak_n",
-                        line: None,
-                    });
-                    1.0
-                }
-            };
-            Tyre { b: file.b, c: file.c, mu, secant: Secant::default() }
-        };
         let front_load = weight * (self.l_r_m / wheelbase);
         let rear_load = weight * (self.l_f_m / wheelbase);
-        let tyre_front = tyre(&self.tyre_front, "tyre_front", front_load);
-        let tyre_rear = tyre(&self.tyre_rear, "tyre_rear", rear_load);
+        let tyre_front = self.tyre_front.tyre("tyre_front", front_load, &mut problems);
+        let tyre_rear = self.tyre_rear.tyre("tyre_rear", rear_load, &mut problems);
+        let (low, high) =
+            blend_speeds(self.blend_speed_low_mps, self.blend_speed_high_mps, wheelbase);
         let car = CarParams {
             name: self.name,
             mass: self.mass_kg,
@@ -168,6 +147,7 @@ impl CarFile {
             power_max: self.power_max_w,
             drive_force_max: self.drive_force_max_n,
             brake_force_max: self.brake_force_max_n,
+            speed_max: self.speed_max_mps,
             length: self.length_m,
             width: self.width_m,
             a_min: self.a_min_mps2,
@@ -177,10 +157,22 @@ impl CarFile {
             a_rate_max: self.a_rate_max_mps3,
             actuator_lag: self.actuator_lag_s,
             actuator_delay: self.actuator_delay_s,
-            blend_speed_low: self.blend_speed_low_mps,
-            blend_speed_high: self.blend_speed_high_mps,
+            blend_speed_low: low,
+            blend_speed_high: high,
         };
         (car, problems)
+    }
+}
+
+/// The blend speeds; what the file leaves out follows from the other one or from the wheelbase: below
+/// 0.2 to 0.5 sqrt(g l) the wheels of every size of car roll in all but name.
+fn blend_speeds(low: Option<f64>, high: Option<f64>, wheelbase: f64) -> (f64, f64) {
+    let scale = (GRAVITY * wheelbase.max(0.0)).sqrt();
+    match (low, high) {
+        (Some(low), Some(high)) => (low, high),
+        (Some(low), None) => (low, 2.5 * low),
+        (None, Some(high)) => (0.4 * high, high),
+        (None, None) => (0.2 * scale, 0.5 * scale),
     }
 }
 

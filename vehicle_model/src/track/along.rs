@@ -2,6 +2,7 @@
 
 use super::Track;
 use crate::fingerprint::fingerprint;
+use crate::road::Surface;
 use std::f64::consts::FRAC_PI_2;
 
 /// What holds at a place of the centre line. What is `None` is not stated there: bank, slope and
@@ -48,6 +49,14 @@ impl Profile {
         Some((before, after))
     }
 
+    /// Slope of the value at s.
+    fn rate(&self, s: f64, length: f64) -> f64 {
+        let rate = |(before, after): ((f64, f64), (f64, f64))| {
+            if after.0 > before.0 { (after.1 - before.1) / (after.0 - before.0) } else { 0.0 }
+        };
+        self.around(s, length).map_or(0.0, rate)
+    }
+
     /// The value at s, linear between the places.
     fn linear(&self, s: f64, length: f64) -> Option<f64> {
         let (before, after) = self.around(s, length)?;
@@ -56,13 +65,29 @@ impl Profile {
 }
 
 /// All profiles of a track.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Along {
+    /// No bank, no slope, friction 1.
+    flat: bool,
     stations: Vec<Station>,
     bank: Profile,
     slope: Profile,
     friction: Profile,
     speed_limit: Profile,
+}
+
+impl Default for Along {
+    fn default() -> Self {
+        let none = Profile::default();
+        Self {
+            flat: true,
+            stations: Vec::new(),
+            bank: none.clone(),
+            slope: none.clone(),
+            friction: none.clone(),
+            speed_limit: none,
+        }
+    }
 }
 
 /// What is wrong with a station: the key, its value and what is expected.
@@ -120,7 +145,13 @@ impl Track {
             }
             self.fingerprint = fingerprint(&words);
         }
+        let level = |at: &Station| {
+            at.bank.unwrap_or(0.0) == 0.0
+                && at.slope.unwrap_or(0.0) == 0.0
+                && at.friction.unwrap_or(1.0) == 1.0
+        };
         self.along = Along {
+            flat: stations.iter().all(level),
             bank: Profile::new(&stations, |at| at.bank),
             slope: Profile::new(&stations, |at| at.slope),
             friction: Profile::new(&stations, |at| at.friction),
@@ -134,6 +165,26 @@ impl Track {
     #[must_use]
     pub fn stations(&self) -> &[Station] {
         &self.along.stations
+    }
+
+    /// Whether the road is level and of even friction 1: what bank, slope and friction it has, if
+    /// any, is nil everywhere.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.along.flat
+    }
+
+    /// The surface of the road at s.
+    #[must_use]
+    pub fn surface(&self, s: f64) -> Surface {
+        let s = self.wrap(s);
+        Surface {
+            bank: self.along.bank.linear(s, self.length).unwrap_or(0.0),
+            slope: self.along.slope.linear(s, self.length).unwrap_or(0.0),
+            bank_rate: self.along.bank.rate(s, self.length),
+            slope_rate: self.along.slope.rate(s, self.length),
+            friction: self.along.friction.linear(s, self.length).unwrap_or(1.0),
+        }
     }
 
     /// Bank at s, positive where the left edge is the higher one \[rad\].

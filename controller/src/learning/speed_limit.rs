@@ -1,0 +1,101 @@
+//! Speed limits of the track and the car's top speed, with the braking distance before them.
+
+use vehicle_model::{CarParams, GRAVITY, Track};
+
+/// Grid points at most: a longer track gets a coarser grid.
+const POINTS: usize = 20_000;
+
+/// Greatest speed along the track that limits allow.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SpeedLimit {
+    /// Distance of the grid points \[m\].
+    ds: f64,
+    /// Speed at each grid point \[m/s\]; empty without any limit.
+    speed: Vec<f64>,
+}
+
+impl SpeedLimit {
+    /// Of this car on this track, braking with this share of the brakes.
+    pub(crate) fn new(car: &CarParams, track: &Track, brake_share: f64) -> Self {
+        let top = car.speed_max.unwrap_or(f64::INFINITY);
+        let limited = track.stations().iter().any(|station| station.speed_limit.is_some());
+        if !limited && top.is_infinite() {
+            return Self::default();
+        }
+        let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
+        let points = (wanted as usize).clamp(16, POINTS);
+        let ds = track.length() / points as f64;
+        // Between two points the smaller of both sides holds: a plan keeps a limit where it begins.
+        let stated: Vec<f64> = (0..points)
+            .map(|i| {
+                let here = i as f64 * ds;
+                let near = (-4..=4).map(|k| track.speed_limit(here + 0.25 * f64::from(k) * ds));
+                near.fold(top, f64::min)
+            })
+            .collect();
+        let mut limit = Self { ds, speed: stated };
+        limit.brake(car, track, brake_share);
+        limit
+    }
+
+    fn brake(&mut self, car: &CarParams, track: &Track, share: f64) {
+        let n = self.speed.len();
+        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
+        for i in (0..2 * n).rev() {
+            let after = self.speed[(i + 1) % n];
+            let room =
+                deceleration(track, (i % n) as f64 * self.ds, share * brakes.min(-car.a_min));
+            let here = &mut self.speed[i % n];
+            *here = here.min((after * after + 2.0 * self.ds * room.max(0.0)).sqrt());
+        }
+    }
+
+    /// Greatest speed at s \[m/s\]; infinite where nothing limits it.
+    pub(crate) fn at(&self, s: f64) -> f64 {
+        if self.speed.is_empty() {
+            return f64::INFINITY;
+        }
+        let n = self.speed.len();
+        let place = (s / self.ds).rem_euclid(n as f64);
+        let i = (place as usize).min(n - 1);
+        self.speed[i].min(self.speed[(i + 1) % n])
+    }
+}
+
+/// What brakes of the strength `brake` \[m/s^2\] do at s, with the friction and the slope there.
+pub(crate) fn deceleration(track: &Track, s: f64, brake: f64) -> f64 {
+    if track.is_flat() {
+        return brake;
+    }
+    brake * track.friction(s).min(1.0) + GRAVITY * libm::sin(track.slope(s))
+}
+
+#[cfg(test)]
+mod tests {
+    use vehicle_model::track::Station;
+
+    use super::*;
+
+    /// Before a limit the speed falls as constant deceleration says; uphill it may be higher.
+    #[test]
+    fn a_limit_is_reached_by_braking_before_it() {
+        let car = CarParams::builtin("barc").unwrap();
+        let track = Track::builtin("l").unwrap();
+        let limited = |slope: f64| {
+            let first = Station { s: 10.0, speed_limit: Some(1.0), ..Station::default() };
+            let end = Station { s: 12.0, speed_limit: Some(f64::INFINITY), ..Station::default() };
+            let hill = Station { s: 0.0, slope: Some(slope), ..Station::default() };
+            let stations = if slope == 0.0 { vec![first, end] } else { vec![first, end, hill] };
+            SpeedLimit::new(&car, &track.clone().with_stations(&stations).unwrap(), 0.5)
+        };
+        let flat = limited(0.0);
+        assert!(flat.at(11.0) <= 1.0 && flat.at(13.0).is_infinite());
+        let expected = (1.0_f64 + 2.0 * 0.5 * 2.0 * 3.0).sqrt();
+        assert!((flat.at(7.0) / expected - 1.0).abs() < 0.05, "{} {expected}", flat.at(7.0));
+        let up = (1.0 + 2.0 * 3.0 * (0.5 * 2.0 + GRAVITY * 0.05_f64.sin())).sqrt();
+        assert!((limited(0.05).at(7.0) / up - 1.0).abs() < 0.05, "{}", limited(0.05).at(7.0));
+        assert!(SpeedLimit::new(&car, &track, 0.5).at(3.0).is_infinite());
+        let slow = CarParams { speed_max: Some(1.7), ..car };
+        assert!((SpeedLimit::new(&slow, &track, 0.5).at(3.0) - 1.7).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,87 @@
+//! Laps that a person, or another program, drove: from a recording to data to learn from.
+//!
+//! recording -> stretches without gaps -> smoothed, one state a control period -> frame of the
+//! track -> inputs, recorded or reckoned -> [`controller::Controller::adopt`].
+
+mod drive;
+mod inputs;
+mod log;
+mod signal;
+pub mod smooth;
+mod table;
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use vehicle_model::{GlobalState, Input, State};
+
+pub use drive::{Driven, LapAccount, drive};
+
+/// What a file says of a drive, in the order of time.
+#[derive(Debug, Clone, Default)]
+pub struct Recording {
+    /// The states.
+    pub states: Vec<Recorded>,
+    /// The inputs, each from its time on \[s\].
+    pub inputs: Vec<(f64, Input)>,
+    /// Whether the inputs are those that acted; else they were commanded, and act after the delay
+    /// and the lag of the actuators.
+    pub applied: bool,
+    /// Rows or messages that could not be used.
+    pub unusable: u64,
+}
+
+/// One recorded state.
+#[derive(Debug, Clone, Copy)]
+pub struct Recorded {
+    /// When \[s\].
+    pub time: f64,
+    /// Where, in the world's frame or the track's.
+    pub place: Place,
+    /// Velocities [v_x, v_y, omega_z], where they were measured \[m/s, m/s, rad/s\].
+    pub velocities: Option<[f64; 3]>,
+    /// Steering angle, where it was measured \[rad\].
+    pub steer: Option<f64>,
+}
+
+/// A place with a heading.
+#[derive(Debug, Clone, Copy)]
+pub enum Place {
+    /// In the world's frame; the velocities are not used.
+    Global(GlobalState),
+    /// In the track's frame; the velocities are not used.
+    Frenet(State),
+}
+
+/// Which recorded inputs are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InputSource {
+    /// Those of the recording if it has any, else reckoned ones.
+    #[default]
+    Auto,
+    /// The recording's, taken for commands: they act after the delay and the lag of the actuators.
+    Commanded,
+    /// The recording's, taken for what acted.
+    Applied,
+    /// Reckoned from the states by inverse dynamics.
+    Reckoned,
+}
+
+/// Reads an event log of LCM or a table in CSV.
+///
+/// # Errors
+/// If the file cannot be read, or holds no states.
+pub fn read(path: &Path, channel: &str) -> Result<Recording> {
+    let shown = || path.display().to_string();
+    let mut recording = if log::is_log(path).with_context(|| format!("cannot read {}", shown()))? {
+        log::read(path, channel)?
+    } else {
+        table::read(path)?
+    };
+    recording.states.sort_by(|a, b| a.time.total_cmp(&b.time));
+    recording.inputs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let before = recording.states.len();
+    recording.states.dedup_by(|later, earlier| later.time <= earlier.time);
+    recording.unusable += (before - recording.states.len()) as u64;
+    Ok(recording)
+}

@@ -1,0 +1,100 @@
+//! A drive from an event log of LCM: states, and what was applied or commanded.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read as _};
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail};
+use lcm_types::eventlog::{Reader, SYNC};
+use lcm_types::{ActuationCommand, ActuationReport, Checked as _, VehicleState, channels};
+use vehicle_model::{GlobalState, Input, State};
+
+use super::{Place, Recorded, Recording};
+
+/// Whether the file begins as an event log does.
+pub(super) fn is_log(path: &Path) -> std::io::Result<bool> {
+    let mut first = [0; 4];
+    let mut file = File::open(path)?;
+    Ok(file.read_exact(&mut first).is_ok() && first == SYNC.to_be_bytes())
+}
+
+/// Reads a log. Times are those of the measurements; what others say is brought to that clock by
+/// the median difference between when a state was measured and when it was logged.
+pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
+    let shown = path.display();
+    let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
+    let mut events = Reader::new(BufReader::new(file));
+    let mut recording = Recording::default();
+    let (mut offsets, mut reports, mut commands) = (Vec::new(), Vec::new(), Vec::new());
+    let mut seen: BTreeMap<String, u64> = BTreeMap::new();
+    while let Some(event) = events.next_event().with_context(|| format!("cannot read {shown}"))? {
+        let logged = event.utime as f64 * 1e-6;
+        *seen.entry(event.channel.clone()).or_default() += 1;
+        let readable = match event.channel.as_str() {
+            name if name == channel => VehicleState::open(&event.data).is_ok_and(|state| {
+                let time =
+                    if state.meas_mono_ns == 0 { logged } else { state.meas_mono_ns as f64 * 1e-9 };
+                offsets.push(time - logged);
+                let recorded = recorded(&state, time);
+                recording.states.extend(recorded);
+                recorded.is_some()
+            }),
+            channels::ACTUATION => ActuationReport::open(&event.data).is_ok_and(|report| {
+                reports.push((logged, Input { a: report.accel, delta: report.steer }));
+                true
+            }),
+            channels::COMMAND => ActuationCommand::open(&event.data).is_ok_and(|command| {
+                if command.enable && command.mode == ActuationCommand::MODE_DRIVE {
+                    commands.push((logged, Input { a: command.accel, delta: command.steer }));
+                }
+                true
+            }),
+            _ => true,
+        };
+        recording.unusable += u64::from(!readable);
+    }
+    if recording.states.is_empty() {
+        let names: Vec<String> = seen.iter().map(|(name, n)| format!("{name} ({n})")).collect();
+        bail!(
+            "{shown} holds no states of the car (lmpc.vehicle_state_t) on channel {channel}; it has \
+             {}. Give --channel, or record the messages of `lmpc vehicle car`, which makes such \
+             states of a car's own messages",
+            if names.is_empty() { "no messages".to_owned() } else { names.join(", ") }
+        );
+    }
+    offsets.sort_by(f64::total_cmp);
+    let offset = offsets[offsets.len() / 2];
+    recording.applied = !reports.is_empty();
+    let inputs = if recording.applied { until_then(reports) } else { commands };
+    recording.inputs = inputs.into_iter().map(|(time, u)| (time + offset, u)).collect();
+    Ok(recording)
+}
+
+/// A report tells what acted since the one before it.
+pub(super) fn until_then(reports: Vec<(f64, Input)>) -> Vec<(f64, Input)> {
+    let first = reports.iter().zip(reports.iter().skip(1)).map(|(a, b)| b.0 - a.0).next();
+    let mut since = reports.first().map_or(0.0, |report| report.0) - first.unwrap_or(0.0);
+    let mut inputs = Vec::with_capacity(reports.len());
+    for (time, input) in reports {
+        inputs.push((since, input));
+        since = time;
+    }
+    inputs
+}
+
+fn recorded(state: &VehicleState, time: f64) -> Option<Recorded> {
+    let has = |bit| state.valid & bit != 0;
+    let place = if has(VehicleState::POSE) {
+        let (x, y, psi) = (state.x, state.y, state.yaw);
+        Place::Global(GlobalState { x, y, psi, ..GlobalState::default() })
+    } else if has(VehicleState::FRENET) {
+        let (s, e_y, e_psi) = (state.frenet.s, state.frenet.e_y, state.frenet.e_psi);
+        Place::Frenet(State { s, e_y, e_psi, ..State::default() })
+    } else {
+        return None;
+    };
+    let velocities = has(VehicleState::VEL).then_some([state.vx, state.vy, state.yaw_rate]);
+    let steer = has(VehicleState::STEER).then_some(state.steer);
+    Some(Recorded { time, place, velocities, steer })
+}

@@ -1,0 +1,43 @@
+//! Options of `lmpc car`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+const EXAMPLES: &str = "\
+Examples:
+  lmpc car new my_car --like barc            writes my_car.toml with every key, unit and meaning
+  lmpc car new rental --like kart.toml --out cars/rental.toml
+  lmpc check my_car.toml                     what lmpc makes of it
+
+The keys, and how data sheets give them, stand in docs/cars.md.";
+
+/// Options of `lmpc car`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct CarFileArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: CarAction,
+}
+
+/// What `lmpc car` does.
+#[derive(Debug, Subcommand)]
+pub enum CarAction {
+    /// Write a car file with every key, its unit and its meaning
+    New(NewCarArgs),
+}
+
+/// Options of `lmpc car new`.
+#[derive(Debug, Args)]
+pub struct NewCarArgs {
+    /// Name of the car
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Car whose numbers it begins with: a name or a file
+    #[arg(long, default_value = "barc", value_name = "NAME|FILE")]
+    pub like: String,
+    /// File to write, which must not be there yet; by default NAME.toml
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}

@@ -1,0 +1,37 @@
+//! `lmpc car`.
+
+use std::fs::File;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, bail};
+
+use hosting::load;
+
+use super::Outcome;
+use crate::cli::{CarAction, CarFileArgs, NewCarArgs};
+use crate::console::result;
+
+/// Does what the options say.
+pub(super) fn run(args: &CarFileArgs) -> Result<Outcome> {
+    match &args.action {
+        CarAction::New(args) => new(args),
+    }
+}
+
+fn new(args: &NewCarArgs) -> Result<Outcome> {
+    let mut car = load::car(&args.like)?;
+    car.name.clone_from(&args.name);
+    let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", args.name)));
+    let shown = path.display();
+    if path.exists() {
+        bail!("{shown} is there already; give --out another file, or remove it");
+    }
+    let mut file = File::create_new(&path).with_context(|| format!("cannot write {shown}"))?;
+    file.write_all(car.to_toml().as_bytes()).with_context(|| format!("cannot write {shown}"))?;
+    result(&format!(
+        "{shown}: the numbers of {}, to be changed; then `lmpc check {shown}`",
+        args.like
+    ))?;
+    Ok(Outcome::Done)
+}

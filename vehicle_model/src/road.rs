@@ -1,0 +1,133 @@
+//! The road as the equations of motion see it: curvature, and where it is not flat, its surface.
+
+use crate::params::GRAVITY;
+use crate::track::Track;
+
+/// A road along s.
+pub trait Road {
+    /// Curvature of the centre line in plan view at s, positive to the left \[1/m\].
+    fn kappa(&self, s: f64) -> f64;
+
+    /// Whether the road is level, of even friction everywhere.
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    /// The surface at s.
+    fn surface(&self, _s: f64) -> Surface {
+        Surface::FLAT
+    }
+}
+
+/// A function of the curvature is a flat road.
+impl<F: Fn(f64) -> f64> Road for F {
+    fn kappa(&self, s: f64) -> f64 {
+        self(s)
+    }
+}
+
+/// The surface of a road at a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Bank: rotation about the direction of the road, positive where the left edge is the higher
+    /// one \[rad\].
+    pub bank: f64,
+    /// Slope: angle of the direction of the road above the horizontal, positive uphill \[rad\].
+    pub slope: f64,
+    /// Change of the bank per metre of the centre line in plan view \[rad/m\].
+    pub bank_rate: f64,
+    /// Change of the slope per metre of the centre line in plan view \[rad/m\].
+    pub slope_rate: f64,
+    /// Factor of the tyres' peak friction \[-\].
+    pub friction: f64,
+}
+
+impl Surface {
+    /// A level road of full friction.
+    pub const FLAT: Self =
+        Self { bank: 0.0, slope: 0.0, bank_rate: 0.0, slope_rate: 0.0, friction: 1.0 };
+}
+
+/// A road that is everywhere as it is at one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoadPoint {
+    /// Curvature of the centre line in plan view, positive to the left \[1/m\].
+    pub kappa: f64,
+    /// The surface; `None` where the road is flat.
+    pub surface: Option<Surface>,
+}
+
+impl RoadPoint {
+    /// A flat road of this curvature \[1/m\].
+    #[must_use]
+    pub const fn flat(kappa: f64) -> Self {
+        Self { kappa, surface: None }
+    }
+
+    /// Of a road at s.
+    #[must_use]
+    pub fn of(road: &impl Road, s: f64) -> Self {
+        let surface = (!road.is_flat()).then(|| road.surface(s));
+        Self { kappa: road.kappa(s), surface }
+    }
+
+    /// Greatest speed at which a point mass follows a line of the curvature `kappa` \[1/m\] on this
+    /// surface \[m/s\], with the friction coefficient `mu` and the downforce `down` per mass and
+    /// squared speed \[1/m\]; infinite where nothing bounds it.
+    ///
+    /// Across the surface, v^2 kappa cos(bank) + g sin(bank) = mu N/m; normal to it, N/m = g cos(bank)
+    /// - v^2 kappa sin(bank) + down v^2.
+    #[must_use]
+    pub fn corner_speed(&self, kappa: f64, mu: f64, down: f64) -> f64 {
+        let surface = self.surface.unwrap_or(Surface::FLAT);
+        let mu = mu * surface.friction;
+        // Positive where the outer edge is the lower one.
+        let bank = if kappa < 0.0 { -surface.bank } else { surface.bank };
+        let (sin, cos) = libm::sincos(bank);
+        let gravity = GRAVITY * libm::cos(surface.slope);
+        let needed = kappa.abs() * (cos + mu * sin) - mu * down;
+        let held = gravity * (mu * cos - sin);
+        if needed <= 1e-12 { f64::INFINITY } else { (held.max(0.0) / needed).sqrt() }
+    }
+}
+
+impl Road for RoadPoint {
+    fn kappa(&self, _s: f64) -> f64 {
+        self.kappa
+    }
+
+    fn is_flat(&self) -> bool {
+        self.surface.is_none()
+    }
+
+    fn surface(&self, _s: f64) -> Surface {
+        self.surface.unwrap_or(Surface::FLAT)
+    }
+}
+
+/// The road of a track.
+pub struct TrackRoad<'a, K> {
+    track: &'a Track,
+    kappa: K,
+}
+
+impl<K: Fn(f64) -> f64> Road for TrackRoad<'_, K> {
+    fn kappa(&self, s: f64) -> f64 {
+        (self.kappa)(s)
+    }
+
+    fn is_flat(&self) -> bool {
+        self.track.is_flat()
+    }
+
+    fn surface(&self, s: f64) -> Surface {
+        self.track.surface(s)
+    }
+}
+
+impl Track {
+    /// The road of the track, to be asked for places that follow one another.
+    pub fn road(&self) -> TrackRoad<'_, impl Fn(f64) -> f64> {
+        TrackRoad { track: self, kappa: self.kappa_along() }
+    }
+}
