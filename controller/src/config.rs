@@ -4,11 +4,15 @@
 //! value has one. Every key has a default: that of the preset named by `preset`, `race` if none
 //! is named.
 
+mod unforeseen;
+
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, NX, Track};
 
 use crate::error::ConfigError;
 use crate::presets::Preset;
+
+pub use unforeseen::{DelayConfig, RecoveryConfig};
 
 /// Everything a study varies about the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,6 +38,8 @@ pub struct Config {
     pub warm_up: WarmUpConfig,
     /// Delay compensation.
     pub delay: DelayConfig,
+    /// Incidents.
+    pub recovery: RecoveryConfig,
     /// QP solver.
     pub solver: SolverConfig,
 }
@@ -222,15 +228,6 @@ pub struct WarmUpConfig {
     pub noise_delta: f64,
     /// Seed of that noise.
     pub seed: u64,
-}
-
-/// Delay compensation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DelayConfig {
-    /// Whole periods between a command and its effect; the state is predicted through the
-    /// queued inputs. [0, 20]
-    pub steps: usize,
 }
 
 /// Which method solves the QP.

@@ -26,6 +26,11 @@ impl Controller {
             self.memory.query_s -= length;
             self.work.cross_line(length);
         }
+        if self.setup.config.recovery.active
+            && let Some(input) = self.recovered(&seen.state, status)
+        {
+            return input;
+        }
         if !self.memory.learning {
             return self.warm_up(&seen.state, status);
         }
@@ -52,7 +57,7 @@ impl Controller {
     }
 
     /// Why the learned controller cannot drive from here, if so.
-    fn unfit(&self, x: &State) -> Option<Reason> {
+    pub(crate) fn unfit(&self, x: &State) -> Option<Reason> {
         let (left, right) = (self.setup.track.width_left(x.s), self.setup.track.width_right(x.s));
         let outside = (x.e_y - left).max(-right - x.e_y);
         if x.e_psi.abs() > std::f64::consts::FRAC_PI_2 {
@@ -124,6 +129,10 @@ impl Controller {
         }
         // A new plan from here may succeed where the old one led nowhere.
         self.memory.plan.clear();
+        if self.setup.config.recovery.active {
+            self.begin_recovery(Reason::SolverFailed);
+            return self.recovered(x, status).unwrap_or_default();
+        }
         if age <= 3 * n {
             status.action = Action::Tracking;
             return self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed);

@@ -29,6 +29,7 @@ mod observe;
 mod optimize;
 mod plan;
 mod presets;
+mod recovery;
 mod snapshot;
 mod status;
 mod store;

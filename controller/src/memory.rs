@@ -13,6 +13,7 @@ use crate::learning::dataset::Dataset;
 use crate::learning::envelope::Envelope;
 use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
+use crate::recovery::Recovery;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -48,6 +49,10 @@ pub(crate) struct Memory {
     pub(crate) plan_tail: Input,
     /// A lap was closed and has not been learned from.
     pub(crate) lap_due: bool,
+    /// The car has driven since the controller began.
+    pub(crate) underway: bool,
+    /// The way back to the line after an incident, while it lasts.
+    pub(crate) recovery: Option<Recovery>,
     /// Noise of the initial laps.
     pub(crate) rng: Pcg64,
     /// Made of the rest at lap end.
@@ -92,6 +97,8 @@ impl Memory {
             query_s: 0.0,
             plan_tail: Input::default(),
             lap_due: false,
+            underway: false,
+            recovery: None,
             rng: Pcg64::seed_from_u64(config.warm_up.seed),
             derived: Arc::default(),
         };

@@ -128,20 +128,27 @@ impl Observer<'_> {
     /// frame: there a curvature step of the centre line makes no step.
     fn jumped(&self, last: &Last, time: f64, state: &State) -> bool {
         let dt = time - last.time;
-        let (before, now) = (&last.state, state);
-        let turned = (now.omega_z - before.omega_z).abs() * self.jump_floor;
-        let pushed = libm::hypot(now.v_x - before.v_x, now.v_y - before.v_y);
+        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
+        let turned = (to.omega_z - from.omega_z).abs() * self.jump_floor;
+        // A car that spins keeps its velocity and turns its frame: both readings are true ones.
+        let (sin, cos) = libm::sincos(to.psi - from.psi);
+        let (v_x, v_y) = (to.v_x * cos - to.v_y * sin, to.v_x * sin + to.v_y * cos);
+        let pushed = libm::hypot(to.v_x - from.v_x, to.v_y - from.v_y)
+            .min(libm::hypot(v_x - from.v_x, v_y - from.v_y));
         if pushed.max(turned) > HARDEST * dt.max(self.config.horizon.period) {
             return true;
         }
-        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
-        let (sin, cos) = libm::sincos(from.psi + 0.5 * dt * from.omega_z);
-        let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
-        let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
-        let driven = dt * from.v_x.abs().max(to.v_x.abs());
+        // Along a bend, or straight on sideways.
+        let missed_with = |turned: f64| {
+            let (sin, cos) = libm::sincos(from.psi + turned);
+            let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
+            let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
+            libm::hypot(to.x - x, to.y - y)
+        };
+        let missed = missed_with(0.5 * dt * from.omega_z).min(missed_with(0.0));
+        let driven = dt * libm::hypot(from.v_x, from.v_y).max(libm::hypot(to.v_x, to.v_y));
         let periods = (dt / self.config.horizon.period).max(1.0);
         let allowed = self.jump_floor * periods + JUMP_SHARE * driven;
-        let missed = libm::hypot(to.x - x, to.y - y);
         missed > allowed || missed.is_nan()
     }
 
@@ -160,7 +167,8 @@ impl Observer<'_> {
         if let Some(applied) = applied {
             sample.u = applied;
         }
-        sample.next = (!gap).then_some([state.v_x, state.v_y, state.omega_z]);
+        let taught = !gap && !current.spoiled;
+        sample.next = taught.then_some([state.v_x, state.v_y, state.omega_z]);
     }
 
     /// Closes the lap at the interpolated crossing of the line.

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{
     Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
-    NominalConfig, NominalModel, RegressionConfig, RegressionMode, SafeSetConfig, Selection,
-    SolverConfig, SolverMethod, WarmUpConfig,
+    NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode, SafeSetConfig,
+    Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -76,6 +76,7 @@ impl Config {
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
+            recovery: RecoveryConfig { active: false },
             solver: SolverConfig {
                 method: SolverMethod::Structured,
                 fallback: true,
@@ -107,6 +108,7 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
+            recovery: RecoveryConfig { active: true },
             limits: LimitsConfig { body: true, front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper
         }
@@ -139,5 +141,6 @@ default_of_race! {
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,
+    recovery: RecoveryConfig,
     solver: SolverConfig,
 }

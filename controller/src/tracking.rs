@@ -42,9 +42,28 @@ impl Tracker {
 
     /// Follows the centre line at speed `v_ref`.
     pub(crate) fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
-        let v_ref = v_ref.min(self.bend_speed(x, track));
-        let a = ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a);
+        let a = self.speed_loop(x, v_ref.min(self.bend_speed(x, track)));
         Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
+    }
+
+    /// Acceleration towards a speed.
+    pub(crate) fn speed_loop(&self, x: &State, v_ref: f64) -> f64 {
+        ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a)
+    }
+
+    /// Braking that what the car's turning uses of the grip leaves \[m/s^2\].
+    pub(crate) fn brakes(&self, x: &State) -> f64 {
+        self.left_for_braking(x.v_x * x.omega_z)
+    }
+
+    /// Curvature that takes a share of the grip at a speed \[1/m\].
+    pub(crate) fn bend_curvature(&self, share: f64, v: f64) -> f64 {
+        share * self.grip / (v * v).max(1e-9)
+    }
+
+    /// Speed at which a bend takes the share of the grip that bends may take \[m/s\].
+    pub(crate) fn turning_speed(&self, kappa: f64) -> f64 {
+        (BEND_SHARE * self.grip / kappa.max(1e-9)).sqrt()
     }
 
     /// Speed from which comfortable braking reaches what each bend ahead allows.
@@ -81,8 +100,11 @@ impl Tracker {
 
     /// Friction circle: what the lateral acceleration leaves of the grip.
     fn hardest_brake(&self, x: &State, track: &Track) -> f64 {
-        let lateral = x.v_x * x.v_x * track.kappa(x.s);
+        -self.left_for_braking(x.v_x * x.v_x * track.kappa(x.s))
+    }
+
+    fn left_for_braking(&self, lateral: f64) -> f64 {
         let left = (self.grip * self.grip - lateral * lateral).max(0.0).sqrt();
-        -(BRAKE_SHARE * left).max(0.1 * self.grip)
+        (BRAKE_SHARE * left).max(0.1 * self.grip)
     }
 }
