@@ -12,7 +12,7 @@ use vehicle_model::{CarParams, NX, Track};
 use crate::error::ConfigError;
 use crate::presets::Preset;
 
-pub use unforeseen::{DelayConfig, RecoveryConfig};
+pub use unforeseen::{DelayConfig, FilterConfig, RecoveryConfig};
 
 /// Everything a study varies about the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,8 @@ pub struct Config {
     pub warm_up: WarmUpConfig,
     /// Delay compensation.
     pub delay: DelayConfig,
+    /// State estimation.
+    pub filter: FilterConfig,
     /// Incidents.
     pub recovery: RecoveryConfig,
     /// QP solver.
@@ -352,6 +354,10 @@ impl Config {
         check.range("warm_up.noise_delta_rad", self.warm_up.noise_delta, 0.0, 0.5);
         check.count("delay.steps", self.delay.steps, 0, 20);
         check.range("solver.tolerance", self.solver.tolerance, 1e-12, 1e-2);
+        check.range("filter.model_error", self.filter.model_error, 1e-6, 1.0);
+        for noise in self.filter.noise {
+            check.range("filter.noise", noise, 0.0, 1e3);
+        }
         check.count("solver.max_iterations", self.solver.max_iterations as usize, 5, 1000);
         check.problems
     }

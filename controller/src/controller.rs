@@ -5,9 +5,10 @@ use std::sync::Arc;
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
 
 use crate::actuator::Actuators;
-use crate::config::{Config, NominalModel};
+use crate::config::{Config, NominalModel, RegressionConfig};
 use crate::error::ConfigError;
 use crate::fhocp::Fhocp;
+use crate::filter::{Filter, Prediction};
 use crate::learned_model::LearnedModel;
 use crate::learning::dataset::Lap;
 use crate::learning::regression::Scratch;
@@ -39,6 +40,9 @@ pub(crate) struct Setup {
     pub(crate) model: Discretized,
     pub(crate) tracker: Tracker,
     pub(crate) actuators: Actuators,
+    pub(crate) filter: Option<Filter>,
+    /// The regression's settings, its ridge as the noise asks for.
+    pub(crate) regression: RegressionConfig,
 }
 
 impl Controller {
@@ -63,6 +67,8 @@ impl Controller {
             setup: Setup {
                 tracker: Tracker::new(&car),
                 actuators: Actuators::new(&car, dt),
+                regression: config.regression.clone(),
+                filter: config.filter.active.then(|| Filter::new(&config.filter, &car, dt)),
                 config,
                 car,
                 track,
@@ -80,10 +86,13 @@ impl Controller {
     pub fn step_probed(&mut self, measurement: &Measurement, probe: &mut impl Probe) -> Command {
         self.prepare_probed(probe);
         probe.begin(Phase::Project);
+        let prediction = self.prediction(measurement);
         let observer = Observer {
             config: &self.setup.config,
             track: &self.setup.track,
             jump_floor: self.setup.car.l_f + self.setup.car.l_r,
+            filter: self.setup.filter.as_ref(),
+            prediction: prediction.as_ref(),
         };
         let observed = observer.observe(&mut self.memory, measurement);
         probe.end(Phase::Project);
@@ -98,6 +107,19 @@ impl Controller {
         }
         let wanted = self.limited(wanted, &mut status);
         Command { input: self.commit(wanted), status }
+    }
+
+    /// The model from the last believed state to the next measurement, for the filter.
+    fn prediction(&mut self, measurement: &Measurement) -> Option<Prediction> {
+        self.setup.filter.as_ref()?;
+        let last = self.memory.last?;
+        let acting = self.memory.dataset.current.samples.last().map(|sample| sample.u);
+        let u = measurement.applied.or(acting)?;
+        let data = &self.memory.derived.regression;
+        let x = &last.state;
+        let model = Workspace::model_at(&self.setup, data, x, &u, &mut self.work.scratch).sum();
+        let next = model.apply(&x.to_vector(), &u.to_vector());
+        Some(Prediction { a: model.a, next })
     }
 
     /// What can be done before the next measurement: lap-end learning, and the preparation of

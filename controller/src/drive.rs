@@ -129,10 +129,6 @@ impl Controller {
         }
         // A new plan from here may succeed where the old one led nowhere.
         self.memory.plan.clear();
-        if self.setup.config.recovery.active {
-            self.begin_recovery(Reason::SolverFailed);
-            return self.recovered(x, status).unwrap_or_default();
-        }
         if age <= 3 * n {
             status.action = Action::Tracking;
             return self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed);

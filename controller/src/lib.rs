@@ -20,6 +20,7 @@ mod derive;
 mod drive;
 mod error;
 pub mod fhocp;
+mod filter;
 mod lanes;
 mod learn;
 mod learned_model;

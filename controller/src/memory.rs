@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::config::Config;
+use crate::filter::Estimate;
 use crate::learning::dataset::Dataset;
 use crate::learning::envelope::Envelope;
 use crate::learning::regression::RegressionData;
@@ -29,6 +30,8 @@ pub(crate) struct Memory {
     pub(crate) learned_laps: u32,
     /// Last measurement believed.
     pub(crate) last: Option<Last>,
+    /// What the filter knows.
+    pub(crate) estimate: Estimate,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
     /// Inputs that do not act yet, oldest first.
@@ -87,6 +90,7 @@ impl Memory {
             learning: false,
             learned_laps: 0,
             last: None,
+            estimate: Estimate::default(),
             suspects: 0,
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),

@@ -4,6 +4,7 @@ use vehicle_model::track::wrap_angle;
 use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
+use crate::filter::{Filter, Prediction, smooth};
 use crate::learning::dataset::Sample;
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
@@ -21,6 +22,9 @@ pub(crate) struct Observer<'a> {
     pub(crate) track: &'a Track,
     /// The wheelbase: a deviation up to this is no jump [m].
     pub(crate) jump_floor: f64,
+    pub(crate) filter: Option<&'a Filter>,
+    /// What the filter expects one period after the last measurement.
+    pub(crate) prediction: Option<&'a Prediction>,
 }
 
 /// A believed measurement.
@@ -65,6 +69,7 @@ impl Observer<'_> {
         }
         memory.suspects = 0;
         let gap = !(0.5..1.5).contains(&periods);
+        let state = self.filtered(memory, state, gap);
         self.complete_last_sample(memory, &state, measurement.applied, gap);
         let ahead = state.s - last.state.s;
         let half = 0.5 * self.track.length();
@@ -88,7 +93,16 @@ impl Observer<'_> {
         if !measurement.time.is_finite() || measurement.applied.is_some_and(|u| !u.is_finite()) {
             return None;
         }
-        let mut state = match measurement.pose {
+        let mut pose = measurement.pose;
+        if self.filter.is_some_and(Filter::blind) {
+            // Velocities nobody measured are those of before.
+            let x = memory.last.map(|last| last.state).unwrap_or_default();
+            match &mut pose {
+                Pose::Frenet(to) => (to.v_x, to.v_y, to.omega_z) = (x.v_x, x.v_y, x.omega_z),
+                Pose::Global(to) => (to.v_x, to.v_y, to.omega_z) = (x.v_x, x.v_y, x.omega_z),
+            }
+        }
+        let mut state = match pose {
             Pose::Frenet(state) if state.is_finite() => state,
             Pose::Global(global) if global.is_finite() => {
                 self.track.to_frenet(&global, memory.last.map(|last| last.state.s))
@@ -100,6 +114,18 @@ impl Observer<'_> {
         state.is_finite().then_some(state)
     }
 
+    /// The filter's estimate, or the measurement itself where there is no filter.
+    fn filtered(&self, memory: &mut Memory, measured: State, anew: bool) -> State {
+        let Some(filter) = self.filter else { return measured };
+        let estimate = &mut memory.estimate;
+        match (self.prediction, &memory.last) {
+            (Some(prediction), Some(last)) if !anew => {
+                filter.update(estimate, &last.state, prediction, &measured, self.track)
+            }
+            _ => filter.begin(estimate, &measured),
+        }
+    }
+
     /// Counts a doubtful measurement; whether it is still to be refused.
     fn doubtful(&self, memory: &mut Memory) -> bool {
         memory.suspects += 1;
@@ -109,6 +135,7 @@ impl Observer<'_> {
     /// Starts recording at a place not connected with what came before.
     fn begin(&self, memory: &mut Memory, time: f64, state: State, reason: Reason) -> Observation {
         let first = memory.last.is_none();
+        let state = self.filtered(memory, state, true);
         let near_line = state.s < 0.02 * self.track.length();
         memory.suspects = 0;
         memory.drop_plan();
@@ -183,6 +210,10 @@ impl Observer<'_> {
         let share = before / (before + state.s);
         let end_time = last.time + share * (time - last.time);
         let kind = if memory.learning { LapKind::Learning } else { LapKind::Warmup };
+        let steps = &mut memory.estimate.steps;
+        smooth(&mut memory.dataset.current.samples, steps, self.track);
+        // The measurement behind the line belongs to the lap that begins.
+        steps.drain(..steps.len().saturating_sub(1));
         let finished = memory.dataset.close(memory.lap, kind, end_time);
         if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
             memory.learned_laps += 1;

@@ -145,7 +145,7 @@ impl Workspace {
     }
 
     fn regress(&mut self, setup: &Setup, memory: &Memory) {
-        let (data, config) = (&memory.derived.regression, &setup.config.regression);
+        let (data, config) = (&memory.derived.regression, &setup.regression);
         self.supports.clear();
         for (t, ((x, acting), u)) in self.points.iter().zip(&memory.plan.u).enumerate() {
             let before = before(memory, t);
@@ -231,7 +231,7 @@ impl Workspace {
         let mode = setup.config.regression.mode;
         let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
         let (error, support) =
-            learned_model::error(data, &setup.config.regression, 0, (x, u), scratch);
+            learned_model::error(data, &setup.regression, 0, (x, u), scratch);
         LearnedModel { nominal, error, support }
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, FilterConfig, Horizon, LimitsConfig,
     NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode, SafeSetConfig,
     Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
@@ -76,6 +76,12 @@ impl Config {
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
+            filter: FilterConfig {
+                active: false,
+                velocities: true,
+                noise: [0.0; 6],
+                model_error: 0.02,
+            },
             recovery: RecoveryConfig { active: false },
             solver: SolverConfig {
                 method: SolverMethod::Structured,
@@ -141,6 +147,7 @@ default_of_race! {
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,
+    filter: FilterConfig,
     recovery: RecoveryConfig,
     solver: SolverConfig,
 }

@@ -1,6 +1,7 @@
 //! Settings for what nobody planned: incidents and delay.
 
 use serde::{Deserialize, Serialize};
+use vehicle_model::NX;
 
 /// Delay compensation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,4 +19,18 @@ pub struct RecoveryConfig {
     /// Whether the controller drives back to the line by itself. Without it a car that points the
     /// wrong way, or is far off, brakes until its host resets it.
     pub active: bool,
+}
+
+/// Estimation of the state in front of the controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FilterConfig {
+    /// Whether measurements are filtered.
+    pub active: bool,
+    /// Whether the source measures velocities; otherwise those it sends are ignored.
+    pub velocities: bool,
+    /// Standard deviations of the measurement in state order; 0 is estimated while driving.
+    pub noise: [f64; NX],
+    /// What the model may get wrong, as a share of the acceleration that the grip allows. [0, 1]
+    pub model_error: f64,
 }

@@ -1,0 +1,122 @@
+//! Measurement noise and model error, told apart by the correlation of the one-step residuals.
+//!
+//! d_k = z_{k+1} - f(z_k, u_k) = n_{k+1} - A n_k + w_k. White noise n leaves a negative correlation
+//! of neighbouring residuals, E[d_k d_{k-1}'] = -A R, whatever the model error w, as long as that
+//! is white; a model error that changes slowly makes it positive. Row by row with a = A_ii:
+//!
+//! ```text
+//! a near 1 (pose, v_x)          R = -C_1 / a                    Q = C_0 - (1 + a^2) R
+//! a near 0 (v_y, omega_z)       R = (C_0 - C_1) / (1 + a + a^2)    Q = C_1 + a R
+//! ```
+//!
+//! In the second case the model forgets within a period, so that only slow model errors can be told
+//! from noise.
+
+use nalgebra::{Matrix6, Vector6};
+use serde::{Deserialize, Serialize};
+
+use super::Filter;
+
+/// Residuals remembered.
+const WINDOW: f64 = 400.0;
+/// Residuals before anything is estimated.
+const LEAST: f64 = 60.0;
+/// A residual counts up to this many standard deviations.
+const CLIP: f64 = 4.0;
+/// Noise of the position that counts as noise, in wheelbases; half of it ends the filtering.
+const NOISY: f64 = 2e-3;
+/// Feedback of a row on itself that makes neighbouring residuals tell its noise.
+const OWN: f64 = 0.5;
+/// Noise of a pose before it is known: in wheelbases, and in radians.
+const ASSUMED: f64 = 0.01;
+/// Noise of a row is at least this share of that: a covariance must not vanish.
+const FLOOR: f64 = 0.02;
+
+/// Running moments of the one-step residuals.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Noise {
+    count: f64,
+    c_0: [f64; 6],
+    c_1: [f64; 6],
+    a: [f64; 6],
+    last: Option<[f64; 6]>,
+    /// Whether the position is noisy enough to be filtered.
+    noisy: bool,
+}
+
+/// Diagonals of R and Q.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Variances {
+    pub(super) noise: Vector6<f64>,
+    pub(super) process: Vector6<f64>,
+}
+
+impl Noise {
+    /// The next residual does not follow the last one.
+    pub(super) fn interrupt(&mut self) {
+        self.last = None;
+    }
+
+    /// Takes a residual in.
+    pub(super) fn add(&mut self, residual: &Vector6<f64>, a: &Matrix6<f64>) {
+        let d: [f64; 6] = std::array::from_fn(|i| {
+            let most = CLIP * self.c_0[i].sqrt();
+            if self.count < LEAST { residual[i] } else { residual[i].clamp(-most, most) }
+        });
+        let Some(last) = self.last.replace(d) else { return };
+        self.count = (self.count + 1.0).min(WINDOW);
+        let share = 1.0 / self.count;
+        for i in 0..6 {
+            self.c_0[i] += share * (d[i] * d[i] - self.c_0[i]);
+            self.c_1[i] += share * (d[i] * last[i] - self.c_1[i]);
+            self.a[i] += share * (a[(i, i)] - self.a[i]);
+        }
+    }
+
+    /// Noise and model error of a row.
+    fn row(&self, i: usize) -> (f64, f64) {
+        let (c_0, c_1, a) = (self.c_0[i], self.c_1[i], self.a[i]);
+        if a > OWN {
+            let r = (-c_1 / a).max(0.0);
+            (r, (c_0 - (1.0 + a * a) * r).max(0.0))
+        } else {
+            let r = ((c_0 - c_1) / (1.0 + a + a * a)).max(0.0);
+            (r, (c_1 + a * r).max(0.0))
+        }
+    }
+
+    /// R and Q; none while measurements are exact, or not known to be noisy.
+    pub(super) fn variances(&self, filter: &Filter) -> Option<Variances> {
+        let (length, speed, dt) = (filter.length, filter.speed, filter.dt);
+        let known = self.count >= LEAST;
+        let given = filter.config.noise;
+        let position = [4, 5].map(|i| self.row(i).0.sqrt());
+        let noisy = known && position.iter().all(|sigma| *sigma > NOISY * length);
+        if !noisy && filter.config.velocities && given == [0.0; 6] {
+            return None;
+        }
+        let scales = [speed, speed, speed / length, 1.0, length, length];
+        let first = filter.first();
+        let noise = Vector6::from_fn(|i, _| {
+            let least = FLOOR * ASSUMED * scales[i];
+            let sigma = match given[i] {
+                0.0 if i < first => 0.0,
+                0.0 if known => self.row(i).0.sqrt(),
+                0.0 => ASSUMED * scales[i],
+                given => given,
+            };
+            sigma.max(least).powi(2)
+        });
+        // What the tyres may do beside the model, in one period.
+        let v = filter.config.model_error * speed * speed / length * dt;
+        let velocity = [0, 1, 2].map(|i| {
+            let least = if i == 2 { v / length } else { v };
+            let seen = if known && i >= first { self.row(i).1 } else { 0.0 };
+            least * least + seen
+        });
+        let half = (0.5 * dt).powi(2);
+        let [v_x, v_y, omega_z] = velocity;
+        let process = Vector6::new(v_x, v_y, omega_z, half * omega_z, half * v_x, half * v_y);
+        Some(Variances { noise, process })
+    }
+}
