@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::Matrix6;
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
 
 use crate::actuator::Actuators;
@@ -160,7 +161,8 @@ impl Controller {
     pub fn set_speed_cap(&mut self, cap: f64) -> Result<(), ConfigError> {
         let mut config = self.setup.config.clone();
         config.limits.speed_cap = cap;
-        self.work.set_speed_cap(&config.checked()?, &self.memory);
+        self.work.set_speed_cap(&config.checked()?);
+        self.prepared = false;
         Ok(())
     }
 
@@ -194,6 +196,13 @@ impl Controller {
     #[must_use]
     pub fn grip(&self) -> [f64; 2] {
         self.memory.grip
+    }
+
+    /// Covariance of the state that the last step used, as the filter predicts it; none where the
+    /// measurement passed as it was.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Matrix6<f64>> {
+        self.memory.estimate.covariance()
     }
 
     /// The learned model around a point, in its parts.

@@ -114,6 +114,7 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
+            filter: FilterConfig { active: true, ..paper.filter },
             recovery: RecoveryConfig { active: true },
             limits: LimitsConfig { body: true, front_slip: 0.14, rear_slip: 0.14, ..paper.limits },
             ..paper

@@ -33,8 +33,6 @@ const BEHIND: f64 = 2.0;
 const TURNED: f64 = 1.0;
 /// Share of the speed of the initial laps with which the car drives back.
 const SLOW: f64 = 0.5;
-/// Share of that speed below which a car stands.
-const STANDING: f64 = 0.25;
 /// Share of the grip that steering may use.
 const STEER_SHARE: f64 = 0.5;
 /// Distance of the point aimed at, in wheelbases.
@@ -65,20 +63,21 @@ impl Controller {
     /// The input of a recovery, begun if the state asks for one; none if the car can be driven as
     /// usual.
     pub(crate) fn recovered(&mut self, x: &State, status: &mut Status) -> Option<Input> {
-        let slow = STANDING * self.setup.config.warm_up.speed;
         if self.memory.recovery.is_none() {
             let Some(reason) = self.incident(x) else {
-                self.memory.underway |= x.v_x >= slow;
+                self.memory.underway |= x.v_x >= self.standing();
                 return None;
             };
             self.begin_recovery(reason);
         }
+        let (standing, speed) = (self.standing(), self.tracking_speed());
         let recovery = self.memory.recovery.as_mut()?;
         let guide = Guide {
             car: &self.setup.car,
             track: &self.setup.track,
             tracker: &self.setup.tracker,
-            speed: self.setup.config.warm_up.speed,
+            speed,
+            standing,
         };
         recovery.fit = if guide.fit(x) { recovery.fit + 1 } else { 0 };
         if f64::from(recovery.fit) * self.setup.config.horizon.period > FIT_TIME {
@@ -101,9 +100,8 @@ impl Controller {
 
     /// What happened to the car, if anything did.
     fn incident(&self, x: &State) -> Option<Reason> {
-        let slow = STANDING * self.setup.config.warm_up.speed;
         let course = libm::atan2(x.v_y, x.v_x);
-        let moving = libm::hypot(x.v_x, x.v_y) > slow;
+        let moving = libm::hypot(x.v_x, x.v_y) > self.standing();
         if moving && course.abs() > SPUN {
             return Some(Reason::Spin);
         }
@@ -127,12 +125,14 @@ struct Guide<'a> {
     tracker: &'a Tracker,
     /// Speed of the initial laps \[m/s\].
     speed: f64,
+    /// Speed below which a car stands \[m/s\].
+    standing: f64,
 }
 
 impl Guide<'_> {
     /// Whether the car may race on.
     fn fit(&self, x: &State) -> bool {
-        let moving = x.v_x > STANDING * self.speed;
+        let moving = x.v_x > self.standing;
         moving
             && x.e_psi.abs() < STRAIGHT
             && libm::atan2(x.v_y, x.v_x).abs() < STRAIGHT
@@ -146,7 +146,7 @@ impl Guide<'_> {
 
     fn drive(&self, x: &State, recovery: &mut Recovery) -> Input {
         let stop = self.car.delta_max;
-        let moving = libm::hypot(x.v_x, x.v_y) > STANDING * self.speed;
+        let moving = libm::hypot(x.v_x, x.v_y) > self.standing;
         if moving && libm::atan2(x.v_y, x.v_x).abs() > SLIDING {
             let wheel = libm::atan2(x.v_y + self.car.l_f * x.omega_z, x.v_x.max(0.0));
             let a = self.tracker.speed_loop(x, 0.0).max(-self.tracker.brakes(x));

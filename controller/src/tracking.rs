@@ -12,6 +12,8 @@ const REACH_TIME: f64 = 0.8;
 const BEND_SHARE: f64 = 0.3;
 /// Share of the strongest braking with which bends are approached.
 const BEND_BRAKE: f64 = 0.3;
+/// Deviation by slow steering that is allowed, as a share of the width of the track.
+const STEER_ASTRAY: f64 = 0.02;
 /// Places looked at ahead.
 const LOOKED_AT: f64 = 20.0;
 /// Share of the tyres' grip that braking may use.
@@ -23,6 +25,8 @@ pub struct Tracker {
     wheelbase: f64,
     /// Lateral acceleration the tyres hold [m/s^2].
     grip: f64,
+    /// Rate of the steering, where it is limited \[rad/s\].
+    steering_rate: Option<f64>,
     least: Input,
     most: Input,
 }
@@ -35,6 +39,7 @@ impl Tracker {
         Self {
             wheelbase: car.l_f + car.l_r,
             grip: 9.81 * mu,
+            steering_rate: car.delta_rate_max,
             least: Input { a: car.a_min, delta: -car.delta_max },
             most: Input { a: car.a_max, delta: car.delta_max },
         }
@@ -77,8 +82,20 @@ impl Tracker {
             let kappa = track.kappa(x.s + ahead).abs().max(1e-9);
             let room = ((ahead - x.v_x * SPEED_TIME).max(0.0)) * 2.0 * brake;
             slowest = slowest.min(BEND_SHARE * self.grip / kappa + room);
+            let turned = (track.kappa(x.s + ahead + step) - track.kappa(x.s + ahead)).abs();
+            let steered = self.steering_speed(turned, step, x, track);
+            slowest = slowest.min(steered * steered + room);
         }
         slowest.sqrt()
+    }
+
+    /// Speed at which the wheels follow a change of curvature within `length`: while they turn at
+    /// their rate, an abrupt change leads the car `turned v^2 T^2 / 6` astray, T the time it takes
+    /// them \[m/s\].
+    fn steering_speed(&self, turned: f64, length: f64, x: &State, track: &Track) -> f64 {
+        let Some(rate) = self.steering_rate.filter(|_| turned > 1e-9) else { return f64::INFINITY };
+        let astray = STEER_ASTRAY * (track.width_left(x.s) + track.width_right(x.s));
+        rate / (self.wheelbase * turned) * length.max((6.0 * astray / turned).sqrt())
     }
 
     /// Brakes along the centre line, as hard as cornering leaves grip for.

@@ -86,7 +86,12 @@ impl Filter {
 
     /// Ridge weight that the noise of the measured velocities asks for.
     pub(crate) fn ridge(&self, estimate: &Estimate) -> f64 {
-        let Some(Variances { noise, .. }) = self.variances(estimate) else { return 0.0 };
+        let Some(Variances { mut noise, .. }) = self.variances(estimate) else { return 0.0 };
+        if self.blind() {
+            // Velocities come from differences of poses.
+            let twice = 2.0 / (self.dt * self.dt);
+            (noise[0], noise[1], noise[2]) = (twice * noise[4], twice * noise[5], twice * noise[3]);
+        }
         let spin = noise[2] * self.length * self.length;
         let most = noise[0].max(noise[1]).max(spin);
         most / (RIDGE_NOISE * self.speed).powi(2)
@@ -124,7 +129,7 @@ impl Filter {
             offset[row] = 0.0;
         }
         let residual = difference(measured, &prediction.next, track) - prediction.a * offset;
-        estimate.noise.add(&residual, &prediction.a);
+        estimate.noise.add(&residual, &prediction.a, self.length);
         estimate.raw = *measured;
         let Some(Variances { noise, process }) = self.variances(estimate) else {
             estimate.p = None;
@@ -164,12 +169,12 @@ impl Filter {
         estimate.steps.push(Step::new(prediction, &p, &state, &after));
         state
     }
+}
 
-    /// Standard deviations of the last estimate in state order; zero where measurements pass as
-    /// they are.
-    pub(crate) fn deviations(estimate: &Estimate) -> [f64; 6] {
-        let p = estimate.p.unwrap_or_default();
-        std::array::from_fn(|row| p[row][row].max(0.0).sqrt())
+impl Estimate {
+    /// Covariance of the last estimate; none where the measurement passed as it was.
+    pub(crate) fn covariance(&self) -> Option<Matrix6<f64>> {
+        self.p.map(Matrix6::from)
     }
 }
 

@@ -57,8 +57,8 @@ impl Noise {
         self.last = None;
     }
 
-    /// Takes a residual in.
-    pub(super) fn add(&mut self, residual: &Vector6<f64>, a: &Matrix6<f64>) {
+    /// Takes a residual in; `length` is the wheelbase.
+    pub(super) fn add(&mut self, residual: &Vector6<f64>, a: &Matrix6<f64>, length: f64) {
         let d: [f64; 6] = std::array::from_fn(|i| {
             let most = CLIP * self.c_0[i].sqrt();
             if self.count < LEAST { residual[i] } else { residual[i].clamp(-most, most) }
@@ -71,6 +71,9 @@ impl Noise {
             self.c_1[i] += share * (d[i] * last[i] - self.c_1[i]);
             self.a[i] += share * (a[(i, i)] - self.a[i]);
         }
+        let least = NOISY * length * if self.noisy { 0.5 } else { 1.0 };
+        let known = self.count >= LEAST;
+        self.noisy = known && [4, 5].iter().all(|i| self.row(*i).0.sqrt() > least);
     }
 
     /// Noise and model error of a row.
@@ -90,9 +93,7 @@ impl Noise {
         let (length, speed, dt) = (filter.length, filter.speed, filter.dt);
         let known = self.count >= LEAST;
         let given = filter.config.noise;
-        let position = [4, 5].map(|i| self.row(i).0.sqrt());
-        let noisy = known && position.iter().all(|sigma| *sigma > NOISY * length);
-        if !noisy && filter.config.velocities && given == [0.0; 6] {
+        if !self.noisy && filter.config.velocities && given == [0.0; 6] {
             return None;
         }
         let scales = [speed, speed, speed / length, 1.0, length, length];

@@ -62,9 +62,7 @@ pub(crate) fn smooth(samples: &mut [Sample], steps: &[Step], track: &Track) {
         ahead = Some((step, difference(&smoothed, &Vector6::from(step.predicted), track)));
         // The measurement past the end is no sample of this lap.
         let own = at.checked_sub(1).filter(|i| samples[*i].x == step.x);
-        let Some(i) = own else {
-            if at == samples.len() { continue } else { return }
-        };
+        let Some(i) = own else { if at == samples.len() { continue } else { return } };
         if let Some(before) = i.checked_sub(1)
             && samples[before].next.is_some()
         {
