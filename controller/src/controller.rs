@@ -118,9 +118,10 @@ impl Controller {
         let u = measurement.applied.or(acting)?;
         let data = &self.memory.derived.regression;
         let x = &last.state;
-        let model = Workspace::model_at(&self.setup, data, x, &u, &mut self.work.scratch).sum();
-        let next = model.apply(&x.to_vector(), &u.to_vector());
-        Some(Prediction { a: model.a, next })
+        let model = Workspace::model_at(&self.setup, data, x, &u, &mut self.work.scratch);
+        let next = model.sum().apply(&x.to_vector(), &u.to_vector());
+        // Slopes learned from noise are noise.
+        Some(Prediction { a: model.nominal.a, next })
     }
 
     /// What can be done before the next measurement: lap-end learning, and the preparation of

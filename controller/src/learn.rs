@@ -22,7 +22,12 @@ impl Controller {
         if nominal.adapt_grip && nominal.model == NominalModel::Dynamic {
             let laps = self.memory.dataset.laps.iter().rev();
             let recent = laps.flat_map(|lap| lap.samples.iter().rev()).take(grip::SAMPLES);
-            let fitted = grip::fit(&self.setup.model, &self.setup.track, recent);
+            let fitted = {
+                let (filter, estimate) = (&self.setup.filter, &self.memory.estimate);
+                let noise = filter.as_ref().map(|filter| filter.velocity_noise(estimate));
+                let noise = noise.unwrap_or_default();
+                grip::fit(&self.setup.model, &self.setup.track, recent, noise)
+            };
             // Each change makes all residuals anew: one that matters to nobody is not made.
             if grip::differ(fitted, self.memory.grip) {
                 self.memory.grip = fitted;

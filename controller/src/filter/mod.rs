@@ -84,16 +84,21 @@ impl Filter {
         estimate.noise.variances(self)
     }
 
+    /// Variances of the velocities as measured: none for exact ones.
+    pub(crate) fn velocity_noise(&self, estimate: &Estimate) -> [f64; 3] {
+        let Some(Variances { noise, .. }) = self.variances(estimate) else { return [0.0; 3] };
+        if self.blind() {
+            // They come from differences of poses.
+            let twice = 2.0 / (self.dt * self.dt);
+            return [twice * noise[4], twice * noise[5], twice * noise[3]];
+        }
+        [noise[0], noise[1], noise[2]]
+    }
+
     /// Ridge weight that the noise of the measured velocities asks for.
     pub(crate) fn ridge(&self, estimate: &Estimate) -> f64 {
-        let Some(Variances { mut noise, .. }) = self.variances(estimate) else { return 0.0 };
-        if self.blind() {
-            // Velocities come from differences of poses.
-            let twice = 2.0 / (self.dt * self.dt);
-            (noise[0], noise[1], noise[2]) = (twice * noise[4], twice * noise[5], twice * noise[3]);
-        }
-        let spin = noise[2] * self.length * self.length;
-        let most = noise[0].max(noise[1]).max(spin);
+        let [v_x, v_y, omega_z] = self.velocity_noise(estimate);
+        let most = v_x.max(v_y).max(omega_z * self.length * self.length);
         most / (RIDGE_NOISE * self.speed).powi(2)
     }
 
