@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use serde::{Deserialize, Serialize};
-use vehicle_bridge::bench::cases;
+use step_timing::cases;
 
 /// Learned steps that are counted.
 const STEPS: u64 = 20;

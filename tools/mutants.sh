@@ -7,21 +7,10 @@ cd "$(dirname "$0")/.."
 root=$PWD
 package=${CARGO_TARGET_DIR:-target}/mutants/package
 rm -rf "$package/src" && mkdir -p "$package/src" "$package/.cargo"
-cp -r vehicle_bridge/src/safety vehicle_model/src/limiter.rs "$package/src/"
+cp -r vehicle_bridge/safety/src/. vehicle_model/src/limiter.rs "$package/src/"
 cp .cargo/mutants.toml "$package/.cargo/"
 cp Cargo.lock "$package/"
-cat > "$package/src/lib.rs" <<'RUST'
-//! The safety core and the limiter, alone.
-pub mod limiter;
-pub mod safety;
-pub mod network {
-    pub mod convert {
-        pub fn track_id(track: &vehicle_model::Track) -> i64 {
-            lcm_types::crc::of(&track.fingerprint().to_le_bytes()).into()
-        }
-    }
-}
-RUST
+echo 'pub mod limiter;' >> "$package/src/lib.rs"
 # The limiter's own copy: mutants of it are judged by its own tests.
 sed -i 's/^use crate::params::CarParams;/use vehicle_model::CarParams;/
         s/^use crate::state::Input;/use vehicle_model::Input;/' "$package/src/limiter.rs"
@@ -32,11 +21,10 @@ name = "mutants"
 edition = "2024"
 [workspace]
 [dependencies]
-controller = { path = "$root/controller" }
 lcm_types = { path = "$root/lcm_types" }
 vehicle_model = { path = "$root/vehicle_model" }
 TOML
-    grep -E '^(thiserror|rand|rand_pcg) = ' Cargo.toml
+    grep -E '^(thiserror|rand|rand_distr|rand_pcg) = ' Cargo.toml
     printf '[profile.dev]\nopt-level = 1\ndebug = false\n[profile.dev.package."*"]\nopt-level = 2\n'
 } > "$package/Cargo.toml"
 cd "$package"

@@ -354,10 +354,7 @@ impl Config {
         check.range("warm_up.noise_delta_rad", self.warm_up.noise_delta, 0.0, 0.5);
         check.count("delay.steps", self.delay.steps, 0, 20);
         check.range("solver.tolerance", self.solver.tolerance, 1e-12, 1e-2);
-        check.range("filter.model_error", self.filter.model_error, 1e-6, 1.0);
-        for noise in self.filter.noise {
-            check.range("filter.noise", noise, 0.0, 1e3);
-        }
+        self.filter.check(&mut check);
         check.count("solver.max_iterations", self.solver.max_iterations as usize, 5, 1000);
         check.problems
     }

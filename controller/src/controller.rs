@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use nalgebra::Matrix6;
-use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track};
+use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track, Tracker};
 
 use crate::actuator::Actuators;
 use crate::config::{Config, NominalModel, RegressionConfig};
 use crate::error::ConfigError;
 use crate::fhocp::Fhocp;
 use crate::filter::{Filter, Prediction};
-use crate::learned_model::LearnedModel;
+use crate::learned_model::{self, LearnedModel};
 use crate::learning::dataset::Lap;
 use crate::learning::regression::Scratch;
 use crate::learning::safe_set::SafeSet;
@@ -19,7 +19,6 @@ use crate::observe::Observer;
 use crate::optimize::Workspace;
 use crate::plan::Plan;
 use crate::status::{Command, Measurement, Phase, Probe, Reason, Status};
-use crate::tracking::Tracker;
 
 /// Learning model predictive controller.
 ///
@@ -116,12 +115,18 @@ impl Controller {
         let last = self.memory.last?;
         let acting = self.memory.dataset.current.samples.last().map(|sample| sample.u);
         let u = measurement.applied.or(acting)?;
-        let data = &self.memory.derived.regression;
-        let x = &last.state;
-        let model = Workspace::model_at(&self.setup, data, x, &u, &mut self.work.scratch);
-        let next = model.sum().apply(&x.to_vector(), &u.to_vector());
+        let (setup, x) = (&self.setup, &last.state);
+        let mode = setup.config.regression.mode;
+        let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, &u);
+        let mut model = nominal;
+        if self.memory.estimate.filters() {
+            let data = &self.memory.derived.regression;
+            let scratch = &mut self.work.scratch;
+            model = model + learned_model::error(data, &setup.regression, 0, (x, &u), scratch).0;
+        }
+        let next = model.apply(&x.to_vector(), &u.to_vector());
         // Slopes learned from noise are noise.
-        Some(Prediction { a: model.nominal.a, next })
+        Some(Prediction { a: nominal.a, next })
     }
 
     /// What can be done before the next measurement: lap-end learning, and the preparation of

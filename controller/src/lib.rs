@@ -34,7 +34,6 @@ mod recovery;
 mod snapshot;
 mod status;
 mod store;
-mod tracking;
 
 pub use affine::Affine;
 pub use config::Config;
@@ -49,4 +48,3 @@ pub use status::{
     Status,
 };
 pub use store::Learned;
-pub use tracking::Tracker;

@@ -9,11 +9,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use serde::{Deserialize, Serialize};
 use vehicle_model::track::wrap_angle;
-use vehicle_model::{CarParams, Input, State, Track};
+use vehicle_model::{CarParams, Input, State, Track, Tracker};
 
 use crate::controller::Controller;
 use crate::status::{Action, Reason, Status};
-use crate::tracking::Tracker;
 
 /// Angle between motion and heading beyond which the car has spun \[rad\].
 const SPUN: f64 = 1.0;

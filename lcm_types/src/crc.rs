@@ -15,6 +15,13 @@ pub fn of(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }
 
+/// The number by which both ends of a network name a thing with this fingerprint (a track, a car):
+/// the CRC-32 of its little-endian bytes.
+#[must_use]
+pub fn id(fingerprint: u64) -> i64 {
+    of(&fingerprint.to_le_bytes()).into()
+}
+
 /// Writes the checksum of all bytes before them into the last four bytes.
 pub fn seal(bytes: &mut [u8]) {
     if let Some((body, end)) = bytes.split_last_chunk_mut::<SIZE>() {

@@ -30,6 +30,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod arrival;
 pub mod channels;
 pub mod crc;
 mod error;
@@ -41,6 +42,7 @@ pub mod schema;
 pub mod value;
 pub mod wire;
 
+pub use arrival::Arrival;
 pub use error::Error;
 pub use message::{Checked, Message};
 

@@ -2,7 +2,7 @@
 //! `lmpc bench` prints. `cargo bench -p vehicle_bridge --bench step`
 #![allow(clippy::print_stdout)] // a program of its own
 
-use vehicle_bridge::bench::{BenchError, Plan, cases, measure, text};
+use step_timing::{BenchError, Plan, cases, measure, text};
 
 fn main() -> Result<(), BenchError> {
     let plan = Plan { steps: 300, laps: vec![4, 100, 1000], initial: 4 };

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_nanosleep};
-use vehicle_bridge::transport::{self, Filter, Inbox, Message, Transport};
+use transport::{Filter, Inbox, Message, Transport};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let url = std::env::var("LCM_LOAD_URL").unwrap_or_else(|_| transport::DEFAULT_URL.to_owned());

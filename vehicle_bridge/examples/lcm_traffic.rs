@@ -5,7 +5,7 @@ use std::error::Error;
 use std::time::Duration;
 
 use lcm_types::{ActuationCommand, Checked, Header, Heartbeat, Message, VehicleState, channels};
-use vehicle_bridge::transport::{self, Transport};
+use transport::Transport;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let seconds: i64 = std::env::args().nth(1).ok_or("expected SECONDS")?.parse()?;

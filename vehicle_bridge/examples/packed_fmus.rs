@@ -7,9 +7,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use controller::{Config, Controller, Measurement, Pose};
-use vehicle_bridge::vehicle::Vehicle;
-use vehicle_bridge::vehicle::fmu::{FmuOptions, FmuVehicle, Slave, Value, Variable};
+use controller::{Config, Controller, Measurement, Pose, Preset};
+use vehicle_host::Vehicle;
+use vehicle_host::fmu::{FmuOptions, FmuVehicle, Slave, Value, Variable};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 const STEPS: usize = 400;
@@ -62,7 +62,7 @@ fn commands_as_the_native_controller(file: &Path) {
     fmu.begin().unwrap();
 
     let (car, track) = car_and_track();
-    let mut config = Config::default();
+    let mut config = Config::derived(Preset::Race, &car, &track);
     config.warm_up.laps = 1;
     let mut native = Controller::new(config, car.clone(), track.clone()).unwrap();
     let start = State { v_x: 1.2, ..State::default() };

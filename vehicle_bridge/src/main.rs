@@ -3,8 +3,8 @@
 use std::io::Write as _;
 
 use clap::Parser;
+use hosting::settings::Usage;
 use vehicle_bridge::cli::Cli;
-use vehicle_bridge::settings::Usage;
 use vehicle_bridge::{commands, console};
 
 /// Exit code for everything that goes wrong but the command line.

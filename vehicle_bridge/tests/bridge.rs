@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::{ActuationReport, Checked as _, VehicleState, channels};
-use vehicle_bridge::transport::{self, Filter, Inbox};
+use transport::{Filter, Inbox};
 
 mod common;
 

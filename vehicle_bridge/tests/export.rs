@@ -167,7 +167,7 @@ fn drive() -> Vec<u8> {
     };
     told.encode_into(&mut bytes).unwrap();
     log.write(1_000_004, channels::TELEMETRY, &bytes).unwrap();
-    let map = vehicle_bridge::network::telemetry::track_message(&track);
+    let map = protocol::telemetry::track_message(&track);
     for utime in [1_000_005, 2_000_005] {
         map.seal_into(&mut bytes).unwrap();
         log.write(utime, channels::TRACK, &bytes).unwrap();

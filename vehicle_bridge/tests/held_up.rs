@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use hosting::shutdown::Shutdown;
 use lcm_types::{ActuationReport, Checked as _, channels};
-use vehicle_bridge::network::bridge::Bridge;
-use vehicle_bridge::network::map_file;
-use vehicle_bridge::network::side::CarSide;
-use vehicle_bridge::safety::Rules;
-use vehicle_bridge::shutdown::Shutdown;
-use vehicle_bridge::transport::{Error, Filter, Sink, Statistics, Transport};
+use safety::Rules;
+use services::bridge::Bridge;
+use services::map_file;
+use services::side::CarSide;
+use transport::{Error, Filter, Sink, Statistics, Transport};
 use vehicle_model::{CarParams, Track};
 
 /// Jerk at which the brake takes longer than the test to be pressed. \[m/s^3\]

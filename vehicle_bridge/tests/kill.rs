@@ -13,11 +13,11 @@ use std::time::{Duration, Instant, SystemTime};
 
 use common::{MULTICAST, Program, URL, isolated};
 use controller::{Config, Controller};
+use hosting::learned;
 use lcm_types::{ActuationCommand, Checked as _, channels};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use vehicle_bridge::race::learned;
-use vehicle_bridge::transport::{self, Filter, Inbox};
+use transport::{Filter, Inbox};
 use vehicle_model::{CarParams, Track};
 
 mod common;

@@ -8,7 +8,7 @@ use common::datagrams::{cases, fragment, noise, short};
 use common::{MULTICAST, URL, isolated};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use vehicle_bridge::transport::{self, Filter, Inbox, Transport};
+use transport::{Filter, Inbox, Transport};
 
 mod common;
 

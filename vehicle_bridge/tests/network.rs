@@ -7,9 +7,9 @@ use common::{MULTICAST, Program, URL, isolated};
 use controller::{Action, Config, Controller};
 use lcm_types::eventlog::Writer;
 use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
-use vehicle_bridge::network::replay::replay;
-use vehicle_bridge::race::{Race, RaceOptions, change_plant};
-use vehicle_bridge::transport::{self, Filter, Inbox};
+use racing::{Race, RaceOptions, change_plant};
+use services::replay::replay;
+use transport::{Filter, Inbox};
 use vehicle_model::{CarParams, Track};
 
 mod common;
@@ -54,7 +54,7 @@ fn race() -> Race {
 /// The message's samples, against the track itself: a sample's own edges project onto it again.
 fn check_map(map: &lcm_types::Track, track: &Track) {
     assert_eq!((map.name.as_str(), map.closed, map.length), (track.name(), true, track.length()));
-    assert_eq!(map.track_id, vehicle_bridge::network::convert::track_id(track));
+    assert_eq!(map.track_id, protocol::convert::track_id(track));
     for i in 0..usize::try_from(map.n).unwrap() {
         let at = |values: &[f32]| f64::from(values[i]);
         let (s, yaw, left) = (at(&map.s), at(&map.yaw), at(&map.w_left));

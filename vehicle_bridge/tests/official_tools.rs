@@ -9,7 +9,7 @@ use std::time::Duration;
 use common::{MULTICAST, URL, isolated};
 use lcm_types::eventlog::{Event, Reader, Writer};
 use lcm_types::{Checked, Header, Message, VehicleState, channels};
-use vehicle_bridge::transport::{self, Filter, Inbox};
+use transport::{Filter, Inbox};
 
 mod common;
 

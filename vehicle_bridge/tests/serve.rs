@@ -7,7 +7,7 @@ use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::{ActuationCommand, ActuationReport, Checked as _, channels};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use vehicle_bridge::transport::{self, Filter, Inbox, Received};
+use transport::{Filter, Inbox, Received};
 
 mod common;
 

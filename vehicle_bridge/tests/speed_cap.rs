@@ -8,9 +8,9 @@ use common::{MULTICAST, Program, URL, isolated};
 use controller::{Config, Controller};
 use lcm_types::eventlog::Writer;
 use lcm_types::{Checked as _, Message as _, OperatorAck, OperatorCommand, VehicleState, channels};
-use vehicle_bridge::network::outlet::{Identity, Outlet};
-use vehicle_bridge::network::replay::{Replay, replay};
-use vehicle_bridge::transport::{self, Filter, Inbox};
+use protocol::outlet::{Identity, Outlet};
+use services::replay::{Replay, replay};
+use transport::{Filter, Inbox};
 use vehicle_model::{CarParams, Track};
 
 mod common;

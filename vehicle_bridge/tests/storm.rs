@@ -13,7 +13,7 @@ use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use vehicle_bridge::transport::{self, Filter, Inbox, Transport};
+use transport::{Filter, Inbox, Transport};
 
 mod common;
 

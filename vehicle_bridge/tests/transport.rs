@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use common::{MULTICAST, URL, isolated};
-use vehicle_bridge::transport::{self, Filter, Inbox, MAX_MESSAGE, Message, Transport};
+use transport::{Filter, Inbox, MAX_MESSAGE, Message, Transport};
 
 mod common;
 

@@ -21,6 +21,7 @@ pub mod plant;
 pub mod slip;
 pub mod state;
 pub mod track;
+mod tracking;
 
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
@@ -36,3 +37,4 @@ pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorN
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};
 pub use track::{Projection, Segment, Track, TrackError};
+pub use tracking::Tracker;

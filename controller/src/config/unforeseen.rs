@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::NX;
 
+use super::Check;
+
 /// Delay compensation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -33,4 +35,13 @@ pub struct FilterConfig {
     pub noise: [f64; NX],
     /// What the model may get wrong, as a share of the acceleration that the grip allows. [0, 1]
     pub model_error: f64,
+}
+
+impl FilterConfig {
+    pub(super) fn check(&self, check: &mut Check) {
+        check.range("filter.model_error", self.model_error, 1e-6, 1.0);
+        for noise in self.noise {
+            check.range("filter.noise", noise, 0.0, 1e3);
+        }
+    }
 }

@@ -177,6 +177,11 @@ impl Filter {
 }
 
 impl Estimate {
+    /// Whether measurements are filtered at present.
+    pub(crate) fn filters(&self) -> bool {
+        self.p.is_some()
+    }
+
     /// Covariance of the last estimate; none where the measurement passed as it was.
     pub(crate) fn covariance(&self) -> Option<Matrix6<f64>> {
         self.p.map(Matrix6::from)

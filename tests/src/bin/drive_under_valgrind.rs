@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use controller::{Action, Command, Controller, Measurement};
-use vehicle_bridge::bench::{Circuit, cases};
+use step_timing::{Circuit, cases};
 
 /// Laps stored before the first learned one.
 const LAPS: usize = 4;

@@ -8,11 +8,11 @@ use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
 use super::source::Source;
 use super::{Finding, Kind};
-use crate::hil::Bench;
-use crate::mapping::MapFile;
-use crate::network::map_file;
-use crate::vehicle::fmu::map::Map;
-use crate::vehicle::fmu::misfits;
+use hil_bench::Bench;
+use mapping::MapFile;
+use services::map_file;
+use vehicle_host::fmu::map::Map;
+use vehicle_host::fmu::misfits;
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
 pub(super) fn recognise(file: &str, text: &str) -> Kind {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs};
-use crate::network::effort::Overrun;
-use crate::transport::DEFAULT_URL;
+use services::effort::Overrun;
+use transport::DEFAULT_URL;
 
 const SERVE_EXAMPLES: &str = "\
 Examples:

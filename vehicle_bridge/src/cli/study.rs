@@ -154,26 +154,3 @@ pub struct PaperStudyArgs {
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub set: Vec<String>,
 }
-
-/// The studies of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StudyName {
-    /// Table I: cost of the control rate.
-    Crc,
-    /// Bandwidth of the regression's kernel.
-    Bandwidth,
-    /// Table II: the tenth-scale car, emulated.
-    Hardware,
-}
-
-impl StudyName {
-    /// The name as on the command line.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Crc => "crc",
-            Self::Bandwidth => "bandwidth",
-            Self::Hardware => "hardware",
-        }
-    }
-}

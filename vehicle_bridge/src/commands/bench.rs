@@ -3,9 +3,9 @@
 use anyhow::Result;
 
 use super::Outcome;
-use crate::bench::{Plan, cases, measure, text};
 use crate::cli::BenchArgs;
 use crate::console::{Talk, result};
+use step_timing::{Plan, cases, measure, text};
 
 /// Measures and prints case after case.
 pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use super::Outcome;
 use crate::cli::ExportArgs;
 use crate::console::{Talk, WARN, paint, result};
-use crate::export::{Account, Types, csv, mcap};
+use log_export::{Account, Types, csv, mcap};
 
 /// Writes a log for other tools.
 pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {

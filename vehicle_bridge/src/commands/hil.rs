@@ -10,10 +10,10 @@ use comfy_table::{Table, presets};
 use super::Outcome;
 use super::network::on_signal;
 use crate::check::check_file;
-use crate::cli::{HilAction, HilArgs, HilRunArgs};
+use crate::cli::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
-use crate::hil::host::NETWORK_UP;
-use crate::hil::{Bench, Verdict, drive, execute, probe, verdict};
+use hil_bench::host::NETWORK_UP;
+use hil_bench::{Bench, Verdict, drive, execute, probe, verdict};
 
 const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
 
@@ -26,7 +26,7 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
             drive(&args.network.url(), &args.car, &args.track, args.speed, &stop)?;
             return Ok(Outcome::Done);
         }
-        HilAction::Probe(args) => return probe::run(args).map(|()| Outcome::Done),
+        HilAction::Probe(args) => return measure(args).map(|()| Outcome::Done),
     };
     if !args.isolated {
         return Err(isolate());
@@ -65,6 +65,19 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
     write("junit.xml", verdict::junit(&bench, &verdicts))?;
     write("verdict.html", verdict::page(&bench, &verdicts))?;
     say(&verdicts, args)
+}
+
+/// Runs a program of the shipped benches and prints what it measured.
+fn measure(args: &ProbeArgs) -> Result<()> {
+    let measured = match &args.probe {
+        Probe::SaverKills { kills } => probe::saver_kills(&args.dir, args.seed, *kills)?,
+        Probe::Saver => probe::saver(&args.dir, || Ok(result("ready")?))?,
+        Probe::DamagedLog { network } => probe::damaged_log(&args.dir, args.seed, &network.url())?,
+    };
+    for (name, value) in measured {
+        result(&format!("{name} {value}"))?;
+    }
+    Ok(())
 }
 
 fn say(verdicts: &[Verdict<'_>], args: &HilRunArgs) -> Result<Outcome> {

@@ -17,18 +17,22 @@ use crate::cli::{
     CarArgs, ControllerArgs, FmuVehicleArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs,
 };
 use crate::console::{Talk, WARN, paint, result};
-use crate::network::car::{Car, CarOptions, Drive};
-use crate::network::mapped_car::MappedCar;
-use crate::network::record::Log;
-use crate::network::service::{Service, ServiceOptions};
-use crate::network::store::Store;
-use crate::network::{convert, map_file, realtime, record, replay};
-use crate::race::words::kind_word;
-use crate::race::{FailureRule, learned, load};
-use crate::safety::Setup;
-use crate::shutdown::{self, Shutdown};
-use crate::transport::{self, ThreadStart, Transport};
-use crate::vehicle::Vehicle;
+use hosting::realtime;
+use hosting::rule::FailureRule;
+use hosting::shutdown::{self, Shutdown};
+use hosting::{learned, load};
+use protocol::convert;
+use racing::words::kind_word;
+use safety::Setup;
+use services::car::{Car, CarOptions, Drive};
+use services::mapped_car::MappedCar;
+use services::service::{Service, ServiceOptions};
+use services::store::Store;
+use services::{map_file, replay};
+use transport::record;
+use transport::record::Log;
+use transport::{ThreadStart, Transport};
+use vehicle_host::Vehicle;
 
 /// A command may be used this many periods: one lost command does not stop the car.
 const VALID_PERIODS: f64 = 2.5;

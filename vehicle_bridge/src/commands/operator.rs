@@ -14,15 +14,16 @@ use super::network::{comparable, connect, logged, on_signal, real_time};
 use super::{Outcome, setup, vehicle};
 use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
 use crate::console::{Talk, WARN, complain, paint, result};
-use crate::network::bridge::Bridge;
-use crate::network::operator_client::{Answered, Held, Operator};
-use crate::network::side::CarSide;
-use crate::network::{convert, map_file};
-use crate::race::RaceOptions;
-use crate::safety::{Lapse, Phase, Rules};
-use crate::settings::Usage;
-use crate::shutdown::Shutdown;
-use crate::transport::Transport;
+use hosting::settings::Usage;
+use hosting::shutdown::Shutdown;
+use protocol::convert;
+use racing::RaceOptions;
+use safety::{Lapse, Phase, Rules};
+use services::bridge::Bridge;
+use services::map_file;
+use services::operator_client::{Answered, Held, Operator};
+use services::side::CarSide;
+use transport::Transport;
 
 /// Runs the bridge until Ctrl-C.
 pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {

@@ -11,9 +11,10 @@ use vehicle_model::{CarParams, Track};
 use super::Outcome;
 use crate::cli::OptimumArgs;
 use crate::console::{BEST, SOFT, Talk, paint, result};
-use crate::optimal::{Store, files, picture};
-use crate::race::load;
-use crate::settings::{Layers, Usage};
+use hosting::load;
+use hosting::settings::{Layers, Usage};
+use optimum_store::{Store, files};
+use report::picture;
 
 /// Finds the time-optimal lap and writes it.
 pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {

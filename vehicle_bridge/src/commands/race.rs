@@ -10,11 +10,12 @@ use super::race_table::{LapTable, head};
 use super::{Outcome, optimum, seeds, setup, vehicle};
 use crate::cli::{OnFailure, RaceArgs};
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
-use crate::optimal::{Known, Store};
-use crate::race::record::{Failure, StepRow, is_fallback};
-use crate::race::words::{action_word, kind_word, mode_word, model_word, reason_word};
-use crate::race::{Race, RaceOptions, files, learned};
-use crate::report::{Report, best_lap};
+use hosting::learned;
+use optimum_store::{Known, Store};
+use racing::record::{Failure, StepRow, is_fallback};
+use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
+use racing::{Race, RaceOptions, files};
+use report::{Report, best_lap};
 
 /// Races once, or over several seeds.
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {

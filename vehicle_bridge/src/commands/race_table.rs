@@ -1,8 +1,8 @@
 //! The lap table of a race on the terminal.
 
 use crate::console::{BEST, GOOD, SOFT, WARN, paint};
-use crate::race::record::LapRow;
-use crate::race::words::kind_word;
+use racing::record::LapRow;
+use racing::words::kind_word;
 
 /// Heading of the table.
 #[must_use]

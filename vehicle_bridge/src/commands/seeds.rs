@@ -10,11 +10,11 @@ use super::race::{lead, measured, outcome, write};
 use super::{Outcome, vehicle};
 use crate::cli::RaceArgs;
 use crate::console::{BAD, GOOD, Talk, paint, result};
-use crate::optimal::Known;
-use crate::parallel::{parallel, threads};
-use crate::race::record::{is_fallback, median};
-use crate::race::{Race, RaceOptions};
-use crate::report::best_lap;
+use hosting::parallel::{parallel, threads};
+use optimum_store::Known;
+use racing::record::{is_fallback, median};
+use racing::{Race, RaceOptions};
+use report::best_lap;
 
 /// What is kept of each seed.
 struct Seed {

@@ -8,8 +8,9 @@ use vehicle_model::{CarParams, PlantParams, Track, TrackError};
 
 use crate::cli::ControllerArgs;
 use crate::console::{SOFT, Talk, WARN, paint};
-use crate::race::{ModelErrorAt, RaceOptions, change_plant, load};
-use crate::settings::{Layers, Usage};
+use hosting::load;
+use hosting::settings::{Layers, Usage};
+use racing::{ModelErrorAt, RaceOptions, change_plant};
 
 /// The small car drives with less grip than its controller is told (the paper's mismatch).
 pub(super) const SMALL_CAR: &str = "barc";

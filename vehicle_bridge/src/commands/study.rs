@@ -8,10 +8,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Outcome;
 use super::study_tracks;
-use crate::cli::{PaperStudyArgs, Study, StudyArgs, StudyName};
+use crate::cli::{PaperStudyArgs, Study, StudyArgs};
 use crate::console::{Talk, result};
-use crate::parallel::{parallel, threads};
-use crate::study::{Cell, Definition, Ledger, Plan, RunRow, page, run_one, summarize, text_table};
+use hosting::parallel::{parallel, threads};
+use studies::{
+    Cell, Definition, Ledger, Plan, RunRow, StudyName, page, run_one, summarize, text_table,
+};
 
 /// Runs a study.
 pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {

@@ -13,9 +13,9 @@ use super::study::progress;
 use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
 use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
-use crate::parallel::{parallel, threads};
-use crate::race::TrackLimit;
-use crate::study::tracks::{
+use hosting::parallel::{parallel, threads};
+use hosting::rule::TrackLimit;
+use studies::tracks::{
     Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
     tracks,
 };

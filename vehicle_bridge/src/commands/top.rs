@@ -13,7 +13,7 @@ use super::network::{connect, on_signal};
 use crate::cli::TopArgs;
 use crate::console::{Talk, result};
 use crate::top::{Snapshot, Watch, draw};
-use crate::transport::{self, Filter, Message};
+use transport::{Filter, Message};
 
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(50);

@@ -9,7 +9,7 @@ use vehicle_model::track::{ImportOptions, Imported, random};
 use super::{Outcome, track_page};
 use crate::cli::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 use crate::console::{BAD, paint, result};
-use crate::race::load;
+use hosting::load;
 
 /// Shows, converts or makes a track.
 pub(super) fn run(args: &TrackArgs) -> Result<Outcome> {

@@ -2,8 +2,8 @@
 
 use vehicle_model::track::{Change, Imported, TrackPoint, wrap_angle};
 
-use crate::page::{Chart, Mark, Series, card, escape, page, table};
-use crate::report::outline;
+use report::outline;
+use svg_page::{Chart, Mark, Series, card, escape, page, table};
 
 /// Places along the lap that the charts show.
 const PLACES: usize = 2000;

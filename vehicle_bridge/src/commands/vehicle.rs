@@ -10,10 +10,10 @@ use vehicle_model::State;
 use super::Outcome;
 use crate::cli::{ControllerArgs, FmuVehicleArgs, InspectVehicleArgs, RaceArgs};
 use crate::console::result;
-use crate::race::{Race, RaceOptions};
-use crate::settings::Usage;
-use crate::vehicle::fmu::map::Map;
-use crate::vehicle::fmu::{FmuOptions, FmuVehicle, propose};
+use hosting::settings::Usage;
+use racing::{Race, RaceOptions};
+use vehicle_host::fmu::map::Map;
+use vehicle_host::fmu::{FmuOptions, FmuVehicle, propose};
 
 /// The race of the options, with the vehicle the command line names.
 pub(super) fn race(args: &RaceArgs, options: &RaceOptions) -> Result<Race> {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::Finding;
-use crate::transport::{self, Filter, Inbox, Url};
+use transport::{Filter, Inbox, Url};
 
 /// What a receive buffer should hold: a burst of telemetry. \[B\]
 const BUFFER: u64 = 4 << 20;

@@ -9,7 +9,7 @@ use lcm_types::{
 
 use super::stream::Stream;
 use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen};
-use crate::safety::Phase;
+use safety::Phase;
 
 /// A program silent for longer may be gone. \[s\]
 const SILENCE_S: f64 = 0.5;

@@ -3,7 +3,7 @@
 
 use std::net::{Ipv4Addr, UdpSocket};
 
-pub(crate) use vehicle_bridge::hil::malformed::{cases, fragment, short};
+pub(crate) use hil_bench::malformed::{cases, fragment, short};
 
 const GROUP: (Ipv4Addr, u16) = (Ipv4Addr::new(239, 255, 76, 67), 7667);
 

@@ -7,7 +7,7 @@ pub(crate) mod datagrams;
 use std::process::{Child, Command, Stdio};
 
 /// The loopback interface with multicast on it.
-pub(crate) use vehicle_bridge::hil::host::NETWORK_UP as MULTICAST;
+pub(crate) use hil_bench::host::NETWORK_UP as MULTICAST;
 
 /// The group of the tests.
 pub(crate) const URL: &str = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";

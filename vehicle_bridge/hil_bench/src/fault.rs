@@ -1,0 +1,294 @@
+//! Faults as a bench file says them.
+
+use serde::Deserialize;
+
+/// A fault: what is done, where, from when, for how long.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fault {
+    /// Seconds after the scenario's `when`. \[s\]
+    #[serde(default)]
+    pub at_s: f64,
+    /// Duration; absent: to the end of the run. \[s\]
+    pub for_s: Option<f64>,
+    /// Channel whose messages it acts on; absent: all.
+    pub channel: Option<String>,
+    /// Share of the messages it acts on, drawn by the seed. \[-\]
+    #[serde(default = "all")]
+    pub share: f64,
+    /// What is done.
+    pub action: Action,
+}
+
+/// What a fault does.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Action {
+    /// Messages are lost; with `first`, only that many.
+    Drop {
+        /// Most messages lost; absent: all. \[-\]
+        first: Option<u32>,
+    },
+    /// Messages are late.
+    Delay {
+        /// By this. \[ms\]
+        ms: f64,
+        /// And by up to this more, drawn for each. \[ms\]
+        #[serde(default)]
+        jitter_ms: f64,
+    },
+    /// Each message comes so many times more.
+    Duplicate {
+        /// Further copies. \[-\]
+        copies: u32,
+    },
+    /// Each pair of messages changes places.
+    Swap {},
+    /// After each message the last `count` come again.
+    Replay {
+        /// Old messages. \[-\]
+        count: u32,
+    },
+    /// Bits flip.
+    Corrupt {
+        /// Bits in each message. \[-\]
+        bits: u32,
+    },
+    /// With each message come junk, copies with flipped bits, cut copies, channels without end,
+    /// sizes of 4 GiB and forged fragments.
+    Junk {
+        /// Datagrams with each message. \[-\]
+        count: u32,
+    },
+    /// Messages of which one fragment is missing.
+    Fragments {
+        /// How many. \[-\]
+        count: u32,
+        /// Size each claims. \[B\]
+        bytes: u32,
+    },
+    /// Messages on the fault's channel that mean nothing.
+    Storm {
+        /// Rate. \[1/s\]
+        rate_hz: f64,
+        /// Size. \[B\]
+        bytes: usize,
+    },
+    /// With each message comes one of the datagrams no sender makes, in turn.
+    Malformed {},
+    /// Another sender of well-formed commands with a start, numbers and checksums of its own.
+    SecondController {
+        /// Rate. \[1/s\]
+        rate_hz: f64,
+        /// The grant it claims.
+        #[serde(default)]
+        token: Token,
+    },
+    /// Well-formed commands in a storm.
+    CommandStorm {
+        /// Rate. \[1/s\]
+        rate_hz: f64,
+        /// Senders without a grant that take turns; 0: the source's own last command again.
+        #[serde(default)]
+        senders: u32,
+    },
+    /// Contents stay as they were while stamps and numbers go on.
+    Freeze {},
+    /// Time stamps of the sender's monotonic clock are older.
+    Stale {
+        /// By this. \[ms\]
+        ms: f64,
+    },
+    /// The sender's wall clock jumps forth and back.
+    WallClock {
+        /// By this. \[s\]
+        jump_s: f64,
+    },
+    /// A field becomes not a number.
+    Nan {
+        /// Which.
+        field: Field,
+    },
+    /// A field becomes this.
+    Set {
+        /// Which.
+        field: Field,
+        /// In the field's unit.
+        value: f64,
+    },
+    /// A field is off by this.
+    Bias {
+        /// Which.
+        field: Field,
+        /// In the field's unit.
+        value: f64,
+    },
+    /// A field has normal noise added.
+    Noise {
+        /// Which.
+        field: Field,
+        /// Standard deviation, in the field's unit.
+        sigma: f64,
+    },
+    /// The message type's fingerprint is another one, as of an old version.
+    Fingerprint {},
+    /// The light source starts again without a gap: other boot id, numbers from 0, no grant.
+    SourceRestart {},
+    /// The light source is silent.
+    SourceSilent {},
+    /// SIGKILL.
+    Kill {
+        /// Which.
+        process: String,
+    },
+    /// SIGINT, as by Ctrl-C: the program ends by itself.
+    Interrupt {
+        /// Which.
+        process: String,
+    },
+    /// SIGSTOP; SIGCONT at the fault's end.
+    Stop {
+        /// Which.
+        process: String,
+    },
+    /// SIGKILL, and a new start at once.
+    Restart {
+        /// Which.
+        process: String,
+    },
+    /// The dead man's switch is let go.
+    DeadmanReleased {},
+    /// Who holds the dead man's switch is not heard any more.
+    DeadmanSilent {},
+    /// The operator arms and starts again, as before the faults.
+    Rearm {},
+    /// The network interface is down; the run gets a network of its own.
+    NetworkDown {},
+    /// The file system of `disk_mb`, `{dir}/disk`, is full.
+    FillDisk {},
+    /// The operator gives an order.
+    Order {
+        /// Which.
+        order: Order,
+    },
+}
+
+/// Orders of the operator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// Emergency stop, repeated every 10 ms until it is acknowledged.
+    Estop,
+    /// Stop.
+    Stop,
+    /// Start, by the grant of before, again and again.
+    Start,
+}
+
+/// The grant a second controller claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Token {
+    /// None.
+    #[default]
+    None,
+    /// A number drawn for each command.
+    Guessed,
+    /// The source's, as read from its commands.
+    Stolen,
+}
+
+/// Fields of states and commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Field {
+    /// Acceleration of a command. \[m/s^2\]
+    Accel,
+    /// Steering angle of a command. \[rad\]
+    Steer,
+    /// Speed of a state. \[m/s\]
+    Vx,
+    /// Lateral speed of a state. \[m/s\]
+    Vy,
+    /// Yaw rate of a state. \[rad/s\]
+    YawRate,
+    /// Lateral position of a state. \[m\]
+    EY,
+    /// Heading error of a state. \[rad\]
+    EPsi,
+    /// Position of a state along the centre line. \[m\]
+    S,
+}
+
+impl Action {
+    /// Whether it changes messages that pass, and so may find none.
+    pub(super) fn is_on_messages(&self) -> bool {
+        matches!(
+            self,
+            Self::Drop { .. }
+                | Self::Delay { .. }
+                | Self::Duplicate { .. }
+                | Self::Swap {}
+                | Self::Replay { .. }
+                | Self::Corrupt { .. }
+                | Self::Junk { .. }
+                | Self::Malformed {}
+                | Self::Freeze {}
+                | Self::Stale { .. }
+                | Self::WallClock { .. }
+                | Self::Nan { .. }
+                | Self::Set { .. }
+                | Self::Bias { .. }
+                | Self::Noise { .. }
+                | Self::Fingerprint {}
+        )
+    }
+
+    /// Whether it sends though nothing comes.
+    pub(super) fn is_storm(&self) -> bool {
+        matches!(
+            self,
+            Self::Storm { .. } | Self::SecondController { .. } | Self::CommandStorm { .. }
+        )
+    }
+}
+
+impl Fault {
+    /// What is out of range or names nothing.
+    pub(super) fn problems(&self, processes: &[String]) -> Vec<String> {
+        let mut problems = Vec::new();
+        if !(self.at_s >= 0.0 && self.for_s.is_none_or(|length| length > 0.0)) {
+            problems.push("fault: at_s must be 0 or above, for_s above 0".to_owned());
+        }
+        if !(0.0..=1.0).contains(&self.share) {
+            problems.push(format!("fault: share is {}, expected 0 to 1", self.share));
+        }
+        if let Action::Kill { process }
+        | Action::Interrupt { process }
+        | Action::Stop { process }
+        | Action::Restart { process } = &self.action
+            && !processes.contains(process)
+        {
+            problems.push(format!("fault: process `{process}` is not started by this scenario"));
+        }
+        if let Action::Storm { rate_hz, .. }
+        | Action::SecondController { rate_hz, .. }
+        | Action::CommandStorm { rate_hz, .. } = self.action
+            && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
+        {
+            problems.push(format!("fault: rate_hz is {rate_hz}, expected above 0, at most 100000"));
+        }
+        problems
+    }
+
+    /// When it acts, relative to the scenario's `when`. \[ns\]
+    pub(super) fn window_ns(&self) -> (i64, i64) {
+        let ns = |s: f64| protocol::convert::nanoseconds(s);
+        let start = ns(self.at_s);
+        (start, self.for_s.map_or(i64::MAX, |length| start + ns(length)))
+    }
+}
+
+fn all() -> f64 {
+    1.0
+}

@@ -1,0 +1,138 @@
+//! Doubt of well-formed states and of the actuators: each rule compares two sources that must agree.
+//!
+//! A rule gives a level: 0 is agreement, 1 its limit. The worst level decides what is done about it:
+//! report, slow down, safe stop.
+
+mod limits;
+mod motion;
+pub(super) mod response;
+mod room;
+#[cfg(test)]
+pub(crate) use room::beyond;
+
+pub use limits::DoubtLimits;
+
+use vehicle_model::{Input, State};
+
+use super::rules::Rules;
+use motion::Motion;
+use response::Response;
+
+/// What is doubted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
+pub enum Suspicion {
+    /// Nothing.
+    #[default]
+    #[error("nothing")]
+    None,
+    /// A corner of the body is beyond the edge of the track.
+    #[error("the car's body is off the track")]
+    OffTrack,
+    /// The car faces against the direction of driving.
+    #[error("the car faces the wrong way")]
+    WrongWay,
+    /// A safe stop that begins now would leave the track.
+    #[error("the car is too fast to be stopped on the track")]
+    Overspeed,
+    /// The position moves less or more than the velocity of the same states.
+    #[error("the position moves otherwise than its own velocity")]
+    Position,
+    /// The heading turns less or more than the yaw rate of the same states.
+    #[error("the heading turns otherwise than its own yaw rate")]
+    Heading,
+    /// The speed does not follow the acceleration that was sent.
+    #[error("the speed does not follow throttle and brake")]
+    Drive,
+    /// The yaw rate does not follow the steering angle that was sent, whatever the grip.
+    #[error("the yaw rate does not follow the steering")]
+    Steering,
+}
+
+/// What is done about a doubt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Reaction {
+    /// Nothing.
+    #[default]
+    None,
+    /// It is named in status and logs.
+    Report,
+    /// The car is not accelerated.
+    SlowDown,
+    /// The car is stopped.
+    Stop,
+}
+
+/// The worst doubt after a state.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Finding {
+    /// What.
+    pub what: Suspicion,
+    /// 0 agreement, 1 the limit. \[-\]
+    pub level: f64,
+}
+
+impl Finding {
+    /// What is done about it.
+    #[must_use]
+    pub fn reaction(&self) -> Reaction {
+        match self.level {
+            level if level >= 1.0 => Reaction::Stop,
+            level if level >= 0.75 => Reaction::SlowDown,
+            level if level >= 0.5 => Reaction::Report,
+            _ => Reaction::None,
+        }
+    }
+
+    fn or(self, other: Self) -> Self {
+        if other.level > self.level { other } else { self }
+    }
+}
+
+/// What the rules remember.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Doubt {
+    motion: Motion,
+    response: Response,
+    /// Reckoned on while the states are doubted, else the last state.
+    trusted: Option<State>,
+    pub(super) finding: Finding,
+}
+
+impl Doubt {
+    /// Compares a state with the one `dt` \[s\] before, over which `applied` was in force.
+    pub(super) fn on_state(
+        &mut self,
+        rules: &Rules,
+        limits: &DoubtLimits,
+        (before, x): (&State, &State),
+        applied: Input,
+        dt: f64,
+    ) -> Finding {
+        let motion = self.motion.on_state(rules, limits, before, x, dt);
+        let response = self.response.on_state(rules, limits, x, applied, dt);
+        let room = room::finding(rules, limits, x);
+        let trusted = self.trusted.unwrap_or(*before);
+        self.trusted = Some(if motion.level < TRUSTED {
+            *x
+        } else {
+            super::stop::reckon(rules, &trusted, applied, dt)
+        });
+        self.finding = motion.or(response).or(room);
+        self.finding
+    }
+
+    /// The last state that agreed with those before it, reckoned on to the present.
+    pub(super) fn trusted(&self) -> Option<State> {
+        self.trusted
+    }
+}
+
+/// Below this level a state is taken as it is. \[-\]
+const TRUSTED: f64 = 0.3;
+
+/// What would refuse arming or starting here.
+pub(super) fn place(rules: &Rules, x: &State) -> Option<Suspicion> {
+    let limits = rules.doubt?;
+    let finding = room::here(rules, &limits, x);
+    (finding.level >= 1.0).then_some(finding.what)
+}

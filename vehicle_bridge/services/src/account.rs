@@ -1,0 +1,135 @@
+//! What the bridge says of itself to people. Numbers until a life sign is sent: words are not made
+//! at every tick.
+
+use std::fmt;
+use std::sync::Arc;
+
+use vehicle_model::Limited;
+
+use safety::{Finding, Lapse, Reaction, Reject};
+use transport::record::Log;
+
+/// What was not taken, last.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Refused {
+    /// A command.
+    Command(Reject),
+    /// A life sign.
+    LifeSign(Reject),
+    /// A step or a message, by the car's side.
+    Car(Arc<str>),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Command(reject) => write!(f, "a command was refused: {reject}"),
+            Self::LifeSign(reject) => write!(f, "a life sign was refused: {reject}"),
+            Self::Car(why) => f.write_str(why),
+        }
+    }
+}
+
+/// The bridge's account; its words are the text of `HB/bridge`.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Account {
+    /// Known from the start.
+    pub(super) notes: Arc<[String]>,
+    /// Why the car was stopped last.
+    pub(super) lapse: Lapse,
+    /// Ticks with an input that a limit moved. \[-\]
+    pub(super) limited: i64,
+    /// The last input.
+    pub(super) applied: Option<Limited>,
+    /// Ticks that never came. \[-\]
+    pub(super) missed: u64,
+    /// Messages the network refused. \[-\]
+    pub(super) unsent: u64,
+    /// The worst doubt.
+    pub(super) doubt: Finding,
+    /// Programs on the network that should not be there.
+    pub(super) neighbours: Option<Arc<str>>,
+    /// Behind the network.
+    pub(super) log: Option<Log>,
+    /// A real car's messages.
+    pub(super) car: Option<mapping::Counts>,
+    /// Last refusal.
+    pub(super) refused: Option<Refused>,
+}
+
+impl fmt::Display for Account {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut between = "";
+        let mut say = |words: fmt::Arguments<'_>| {
+            let separator = std::mem::replace(&mut between, "; ");
+            write!(f, "{separator}{words}")
+        };
+        for note in &*self.notes {
+            say(format_args!("{note}"))?;
+        }
+        if self.lapse != Lapse::None {
+            say(format_args!("last stop: {}", self.lapse))?;
+        }
+        if let Some(Limited { asked, sent, bits }) = self.applied.filter(|_| self.limited > 0) {
+            say(format_args!(
+                "{} inputs limited; now asked {:.2} m/s^2, {:.3} rad, sent {:.2}, {:.3}, limits {bits:#x}",
+                self.limited, asked.a, asked.delta, sent.a, sent.delta
+            ))?;
+        }
+        if self.missed > 0 {
+            say(format_args!("{} ticks missed", self.missed))?;
+        }
+        if self.unsent > 0 {
+            say(format_args!("{} messages could not be sent", self.unsent))?;
+        }
+        if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
+            say(format_args!("{complaint}"))?;
+        }
+        if self.doubt.reaction() >= Reaction::Report {
+            let Finding { what, level } = self.doubt;
+            say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
+        }
+        if let Some(neighbours) = &self.neighbours {
+            say(format_args!("{neighbours}"))?;
+        }
+        if let Some(counts) = self.car {
+            say(format_args!("{counts}"))?;
+        }
+        if let Some(refused) = &self.refused {
+            say(format_args!("{refused}"))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vehicle_model::Input;
+
+    use super::*;
+
+    #[test]
+    fn the_account_says_what_there_is_to_say() {
+        assert_eq!(Account::default().to_string(), "");
+        let account = Account {
+            notes: Arc::new(["a note".to_owned()]),
+            lapse: Lapse::Gap,
+            limited: 3,
+            applied: Some(Limited { asked: Input::default(), sent: Input::default(), bits: 4 }),
+            missed: 1,
+            unsent: 2,
+            car: Some(mapping::Counts::default()),
+            doubt: Finding::default(),
+            neighbours: Some("another bridge".into()),
+            refused: Some(Refused::LifeSign(Reject::Boot)),
+            log: None,
+        };
+        assert_eq!(
+            account.to_string(),
+            "a note; last stop: the bridge itself stood still; 3 inputs limited; now asked 0.00 \
+             m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
+             be sent; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a life sign was refused: not from \
+             the controller that was armed"
+        );
+    }
+}

@@ -1,0 +1,296 @@
+//! The process between controller and car: the safety core with a clock and a network.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Result;
+use lcm_types::{
+    ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
+    VehicleState, channels,
+};
+use vehicle_model::Input;
+
+use super::account::{Account, Refused};
+use super::neighbours::{Neighbours, Role};
+use super::pulse::Pulse;
+use super::side::CarSide;
+use protocol::guard::Counts;
+use protocol::orders::{Heard, Orders};
+use protocol::outlet::{Identity, Outlet, random};
+use safety::{Answer, Event, Order, OrderKind, Output, Rules, Safety, Setup, Source, decode};
+use transport::record::Log;
+use transport::{Filter, Inbox, Received, Transport};
+
+/// Messages of each kind that may wait. \[-\]
+pub(super) const WAITING: usize = 1024;
+
+/// How the bridge ran.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bridged {
+    /// Ticks. \[-\]
+    pub ticks: u64,
+    /// Ticks that never came, because the bridge was late. \[-\]
+    pub missed: u64,
+    /// Latest begin of a tick. \[s\]
+    pub latest: f64,
+    /// Commands.
+    pub commands: safety::Counts,
+    /// Panics of the loop; each stops the car. \[-\]
+    pub panics: u32,
+    /// The car still moved when the bridge ended.
+    pub moving: bool,
+}
+
+/// The bridge.
+pub struct Bridge {
+    pub(super) rules: Rules,
+    pub(super) safety: Safety,
+    pub(super) side: CarSide,
+    pub(super) host: String,
+    pub(super) commands: Inbox,
+    pub(super) others: Inbox,
+    pub(super) states: Outlet,
+    pub(super) reports: Outlet,
+    pub(super) acks: Outlet,
+    pub(super) pulse: Pulse<Account>,
+    pub(super) unsent: u64,
+    pub(super) desk: Orders,
+    pub(super) neighbours: Neighbours,
+    /// For the bench: panics after this long in RUNNING.
+    pub(super) panic_after: Option<Duration>,
+    /// What the car was told at the last tick.
+    pub(super) held: Input,
+    pub(super) source: Source,
+    pub(super) bridged: Bridged,
+}
+
+impl Bridge {
+    /// Between a network and a car.
+    ///
+    /// # Errors
+    /// If the network refuses the subscriptions, or a thread cannot be started.
+    pub fn new(
+        mut rules: Rules,
+        side: CarSide,
+        notes: Vec<String>,
+        network: &Arc<dyn Transport>,
+    ) -> Result<Self> {
+        let identity = Identity::new("bridge");
+        rules.boot_id = identity.boot_id;
+        let (commands, others) = (Inbox::queue(WAITING), Inbox::queue(WAITING));
+        let mut heard = side.channels();
+        heard.push(channels::COMMAND.to_owned());
+        network.subscribe(Filter::Only(heard), commands.sink())?;
+        let life = format!("{}lmpc", channels::HEARTBEAT);
+        // An order does not wait for the tick.
+        network.subscribe(Filter::channel(channels::OPERATOR), commands.urgent_sink())?;
+        let names = vec![channels::SETUP.to_owned(), life];
+        network.subscribe(Filter::Only(names), others.sink())?;
+        let host = identity.sender.rsplit('@').next().unwrap_or_default().to_owned();
+        let pulse: Pulse<Account> = Pulse::start(network, &identity, "bridge", None)?;
+        pulse.update(|health| health.detail.notes = notes.into());
+        Ok(Self {
+            states: Outlet::new(network, &identity, channels::STATE),
+            reports: Outlet::new(network, &identity, channels::ACTUATION),
+            acks: Outlet::new(network, &identity, channels::OPERATOR_ACK),
+            pulse,
+            safety: Safety::default(),
+            desk: Orders::new(&host),
+            neighbours: Neighbours::new(identity.boot_id),
+            panic_after: None,
+            held: Input::default(),
+            source: Source::None,
+            bridged: Bridged::default(),
+            rules,
+            side,
+            host,
+            commands,
+            others,
+            unsent: 0,
+        })
+    }
+
+    /// Names other cars and bridges on `network`, which is to have no log behind it: what this
+    /// bridge sends itself comes back there.
+    ///
+    /// # Errors
+    /// If the network refuses the subscription.
+    pub fn watching(self, network: &Arc<dyn Transport>) -> Result<Self> {
+        let other_bridge = format!("{}bridge", channels::HEARTBEAT);
+        let names = vec![channels::STATE.to_owned(), other_bridge];
+        network.subscribe(Filter::Only(names), self.others.sink())?;
+        Ok(self)
+    }
+
+    /// Panics after this long in RUNNING: for the bench.
+    #[must_use]
+    pub fn with_panic(self, panic_after: Option<Duration>) -> Self {
+        Self { panic_after, ..self }
+    }
+
+    /// Tells in every life sign what the log behind the network loses.
+    #[must_use]
+    pub fn with_log(self, log: Option<Log>) -> Self {
+        self.pulse.update(|health| health.detail.log = log);
+        self
+    }
+
+    pub(super) fn fail(&mut self, why: &str) {
+        self.refuse(Refused::Car(why.into()));
+        self.step(&Event::CarFailed);
+    }
+
+    fn refuse(&self, what: Refused) {
+        self.pulse.update(|health| health.detail.refused = Some(what));
+    }
+
+    /// A message of a real car.
+    pub(super) fn tell(&mut self, received: &Received) {
+        let Some(told) = self.side.hear(received) else { return };
+        if told.is_new {
+            self.step(&Event::State(told.x, told.message.quality));
+        }
+        self.publish(&VehicleState { h: self.states.header(), ..told.message });
+    }
+
+    pub(super) fn publish(&mut self, state: &VehicleState) {
+        // The network may be gone: the car is still there.
+        let sent = self.states.send_sealed(state);
+        self.unsent += u64::from(sent.is_err());
+        self.step(&Event::Published(state.h.seq));
+    }
+
+    pub(super) fn step(&mut self, event: &Event<'_>) -> Output {
+        let now_ns = transport::now().mono_ns;
+        let (next, output) = safety::step(&self.rules, &self.safety, event, now_ns);
+        self.safety = next;
+        output
+    }
+
+    pub(super) fn command(&mut self, received: &Received) {
+        let arrival_ns = received.arrival.mono_ns;
+        let reject = match decode(&received.payload, arrival_ns, &self.rules, &self.host) {
+            Ok(offer) => match self.step(&Event::Command(&offer)).answer {
+                Answer::Rejected(reject) => reject,
+                _ => return,
+            },
+            Err(reject) => {
+                self.safety.count(reject);
+                reject
+            }
+        };
+        self.refuse(Refused::Command(reject));
+    }
+
+    pub(super) fn hear(&mut self, received: &Received) {
+        match received.channel.as_str() {
+            channels::SETUP => {
+                if let Ok(m) = lcm_types::Setup::open(&received.payload) {
+                    let lcm_types::Setup { track_id, car_id, config_id, period_ns, .. } = m;
+                    let setup = Setup { track_id, car_id, config_id, period_ns };
+                    self.step(&Event::Setup(m.h.boot_id, setup));
+                }
+            }
+            channels::STATE => {
+                if let Ok(state) = VehicleState::open(&received.payload) {
+                    self.neighbours.note(Role::Car, &state.h);
+                }
+            }
+            channel => {
+                let Ok(beat) = Heartbeat::decode(&received.payload) else { return };
+                if channel.ends_with("bridge") {
+                    return self.neighbours.note(Role::Bridge, &beat.h);
+                }
+                self.neighbours.note(Role::Controller, &beat.h);
+                if let Answer::Rejected(reject) = self.step(&Event::Pulse(beat.h.boot_id)).answer {
+                    self.refuse(Refused::LifeSign(reject));
+                }
+            }
+        }
+    }
+
+    pub(super) fn order(&mut self, received: &Received) {
+        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let Some(heard) = self.desk.hear(&received.payload, times) else { return };
+        let (boot_id, ack) = match heard {
+            Heard::New(order) => (order.h.boot_id, self.obey(&order)),
+            // A dead man's switch is held by saying so.
+            Heard::Again(order, ack)
+                if ack.accepted && order.deadman && order.command == OperatorCommand::START =>
+            {
+                (order.h.boot_id, self.obey(&order))
+            }
+            Heard::Again(order, ack) => {
+                (order.h.boot_id, OperatorAck { h: self.acks.header(), ..ack })
+            }
+        };
+        // What the network refuses is asked again.
+        let _ = self.acks.send(&ack);
+        self.desk.answered(boot_id, &ack);
+    }
+
+    fn obey(&mut self, order: &OperatorCommand) -> OperatorAck {
+        let kind = match order.command {
+            OperatorCommand::ARM => {
+                OrderKind::Arm { moving: order.value == 1.0, controller: order.arm_token }
+            }
+            OperatorCommand::DISARM => OrderKind::Disarm,
+            OperatorCommand::START => OrderKind::Start,
+            OperatorCommand::STOP => OrderKind::Stop,
+            OperatorCommand::ESTOP => OrderKind::Estop,
+            OperatorCommand::ESTOP_RESET => OrderKind::Reset,
+            OperatorCommand::SET_SPEED_CAP => OrderKind::SpeedCap(order.value),
+            other => OrderKind::Unknown(other),
+        };
+        let (token, deadman) = (order.arm_token, order.deadman);
+        let answer =
+            self.step(&Event::Order(Order { kind, token, deadman, fresh: random() })).answer;
+        let detail = match answer {
+            Answer::Denied(denied) => denied.to_string(),
+            _ => String::new(),
+        };
+        OperatorAck {
+            h: self.acks.header(),
+            request_id: order.request_id,
+            accepted: detail.is_empty(),
+            state: self.safety.phase() as i8,
+            arm_token: self.safety.token(),
+            detail,
+        }
+    }
+
+    pub(super) fn report(&mut self, output: &Output) {
+        let (cmd_boot_id, cmd_seq) = self.safety.command().unwrap_or_default();
+        let report = ActuationReport {
+            h: self.reports.header(),
+            cmd_boot_id,
+            cmd_seq,
+            enabled: matches!(output.source, Source::Command | Source::Plan),
+            source: output.source as i8,
+            limited: output.applied.bits,
+            accel: output.applied.sent.a,
+            steer: output.applied.sent.delta,
+            crc: 0,
+        };
+        let sent = self.reports.send_sealed(&report);
+        self.unsent += u64::from(sent.is_err());
+        let c = self.safety.counts();
+        let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
+        let (lapse, missed, unsent) = (self.safety.lapse(), self.bridged.missed, self.unsent);
+        let car = self.side.counts();
+        let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
+        let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
+        self.pulse.update(|health| {
+            health.state = state;
+            health.counts = counts;
+            health.arm_token = arm_token;
+            let said = &mut health.detail;
+            (said.lapse, said.missed, said.unsent, said.car) = (lapse, missed, unsent, car);
+            said.doubt = finding;
+            if let Some(news) = neighbours {
+                said.neighbours = news;
+            }
+            (said.limited, said.applied) = (c.limited, Some(output.applied));
+        });
+    }
+}

@@ -1,0 +1,90 @@
+//! The bridge that a controller works for, and its arm token, by the bridge's heartbeats.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use lcm_types::{Heartbeat, Message as _, channels};
+
+use transport::{Error, Filter, Inbox, Transport};
+
+/// A bridge not heard for this long is considered gone.
+const SILENCE: Duration = Duration::from_secs(1);
+/// Heartbeats that may wait. \[-\]
+const WAITING: usize = 64;
+
+/// A bridge as last heard.
+#[derive(Debug, Clone, PartialEq)]
+struct Bridge {
+    heard: Instant,
+    boot_id: i64,
+    sender: String,
+    token: i64,
+    state: i8,
+}
+
+/// The bridge heard first, as long as it is heard.
+pub struct Grant {
+    inbox: Inbox,
+    bridge: Option<Bridge>,
+    other: Option<Bridge>,
+}
+
+impl Grant {
+    /// Begins to listen.
+    ///
+    /// # Errors
+    /// If the network refuses the subscription.
+    pub fn listen(network: &Arc<dyn Transport>) -> Result<Self, Error> {
+        let inbox = Inbox::queue(WAITING);
+        let channel = format!("{}bridge", channels::HEARTBEAT);
+        network.subscribe(Filter::channel(&channel), inbox.sink())?;
+        Ok(Self { inbox, bridge: None, other: None })
+    }
+
+    /// Takes in what came.
+    pub fn update(&mut self) {
+        let is_heard = |bridge: &Bridge| bridge.heard.elapsed() < SILENCE;
+        for _ in 0..WAITING {
+            let Some(received) = self.inbox.take() else { break };
+            if let Ok(beat) = Heartbeat::decode(&received.payload) {
+                let (token, state) = (beat.arm_token, beat.state);
+                let (boot_id, sender) = (beat.h.boot_id, beat.h.sender);
+                let bridge = Bridge { heard: Instant::now(), boot_id, sender, token, state };
+                self.bridge = self.bridge.take().filter(is_heard);
+                let same = self.bridge.as_ref().is_none_or(|known| known.boot_id == boot_id);
+                *(if same { &mut self.bridge } else { &mut self.other }) = Some(bridge);
+            }
+            self.inbox.recycle(received);
+        }
+        self.bridge = self.bridge.take().filter(is_heard);
+        self.other = self.other.take().filter(is_heard);
+    }
+
+    /// The token to echo; 0 if no bridge is heard. \[-\]
+    #[must_use]
+    pub fn token(&self) -> i64 {
+        self.bridge.as_ref().map_or(0, |bridge| bridge.token)
+    }
+
+    /// Whether commands reach the car: a bridge that runs, or none at all.
+    #[must_use]
+    pub fn lets_drive(&self) -> bool {
+        self.bridge.as_ref().is_none_or(|bridge| bridge.state == Heartbeat::RUNNING)
+    }
+
+    /// Boot id of the bridge, whose states alone are answered. \[-\]
+    #[must_use]
+    pub fn bridge(&self) -> Option<i64> {
+        self.bridge.as_ref().map(|bridge| bridge.boot_id)
+    }
+
+    /// What is wrong: another bridge on this network.
+    #[must_use]
+    pub fn complaint(&self) -> Option<String> {
+        let (bridge, other) = (self.bridge.as_ref()?, self.other.as_ref()?);
+        Some(format!(
+            "two bridges are on this network: {} (boot id {}), which is obeyed, and {} (boot id {})",
+            bridge.sender, bridge.boot_id, other.sender, other.boot_id
+        ))
+    }
+}

@@ -1,0 +1,23 @@
+//! The controller and the simulated car as programs on an LCM network.
+//!
+//! [`service`] answers each `CAR/STATE` with one `LMPC/CMD`; [`car`] is a simulated car that
+//! publishes the one and obeys the other; [`bridge`] puts the safety core between the two.
+//! Messages and the checks of what arrives are in the crate `protocol`.
+
+mod account;
+pub mod bridge;
+mod bridge_run;
+pub mod car;
+pub mod effort;
+pub mod grant;
+pub mod map_file;
+pub mod mapped_car;
+mod neighbours;
+pub mod operator;
+pub mod operator_client;
+pub mod pulse;
+pub mod replay;
+pub mod schedule;
+pub mod service;
+pub mod side;
+pub mod store;

@@ -1,0 +1,233 @@
+//! The bridge to a real car that speaks its own messages.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use lcm_types::{ActuationCommand, ActuationReport, channels};
+use vehicle_model::{CarParams, Input};
+
+use super::pulse::Pulse;
+use mapping::{Drive, Mapping};
+use protocol::convert;
+use protocol::guard::{Accepted, Counts, Guard};
+use protocol::outlet::{Identity, Outlet};
+use transport::{Filter, Inbox, Received, Transport};
+
+const SILENCE_NS: i64 = 1_000_000_000;
+/// Slower than this, the car stands. \[m/s\]
+const STILL: f64 = 0.1;
+/// Longest sleep, so that signals are seen.
+const NAP: Duration = Duration::from_millis(20);
+/// At the end the stop is said this often: one may be lost. \[-\]
+const LAST_WORDS: u32 = 3;
+
+/// What the bridge did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Bridged {
+    /// States published. \[-\]
+    pub states: u64,
+    /// Commands sent to the car. \[-\]
+    pub sent: u64,
+    /// Times the commands stopped and the car was told to. \[-\]
+    pub stops: u64,
+    /// What became of the controller's commands.
+    pub commands: Counts,
+    /// What became of the car's messages.
+    pub source: mapping::Counts,
+}
+
+/// Between the car's messages and ours.
+pub struct MappedCar {
+    mapping: Mapping,
+    network: Arc<dyn Transport>,
+    inbox: Inbox,
+    guard: Guard,
+    car: CarParams,
+    states: Outlet,
+    reports: Outlet,
+    pulse: Pulse<mapping::Counts>,
+    boot_id: i64,
+    /// Whether the car moves, by its last state.
+    moves: bool,
+    /// Start of the controller obeyed so far.
+    obeyed: Option<i64>,
+    /// The command in force and when it came.
+    command: Option<(ActuationCommand, Instant)>,
+    source: i8,
+    applied: Input,
+    bytes: Vec<u8>,
+    bridged: Bridged,
+}
+
+impl MappedCar {
+    /// On a network; `car` gives the limits a sane command keeps.
+    ///
+    /// # Errors
+    /// If the network refuses the subscription, or a thread cannot be started.
+    pub fn new(mapping: Mapping, car: CarParams, network: &Arc<dyn Transport>) -> Result<Self> {
+        let identity = Identity::new("car");
+        let inbox = Inbox::queue(256);
+        let mut wanted = mapping.state_channels();
+        wanted.push(channels::COMMAND.to_owned());
+        network.subscribe(Filter::Only(wanted), inbox.sink())?;
+        let host = identity.sender.rsplit('@').next().unwrap_or_default();
+        Ok(Self {
+            guard: Guard::new(SILENCE_NS, SILENCE_NS / 4, host),
+            states: Outlet::new(network, &identity, channels::STATE),
+            reports: Outlet::new(network, &identity, channels::ACTUATION),
+            pulse: Pulse::start(network, &identity, "car", None)?,
+            boot_id: identity.boot_id,
+            moves: false,
+            obeyed: None,
+            network: Arc::clone(network),
+            command: None,
+            source: ActuationReport::default().source,
+            applied: Input::default(),
+            bytes: Vec::new(),
+            bridged: Bridged::default(),
+            mapping,
+            inbox,
+            car,
+        })
+    }
+
+    /// Bridges until `stop` is set, then tells the car to stop.
+    ///
+    /// # Errors
+    /// If the network refuses a message.
+    pub fn run(&mut self, stop: &AtomicBool) -> Result<Bridged> {
+        let run = catch_unwind(AssertUnwindSafe(|| self.obey_until(stop)));
+        self.command = None;
+        let ends = (0..LAST_WORDS).map(|_| self.actuate(Instant::now()));
+        let mut stopped = Ok(());
+        for end in ends {
+            stopped = stopped.or(end);
+        }
+        match run {
+            Ok(run) => run.and(stopped)?,
+            Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
+        }
+        self.bridged.commands = self.guard.counts;
+        self.bridged.source = self.mapping.counts();
+        Ok(self.bridged)
+    }
+
+    fn obey_until(&mut self, stop: &AtomicBool) -> Result<()> {
+        let period = Duration::from_secs_f64(self.mapping.command_period());
+        let mut due = Instant::now();
+        while !stop.load(Ordering::Relaxed) {
+            let now = Instant::now();
+            // A flood of states is no reason to keep the car waiting.
+            if now >= due {
+                self.actuate(now)?;
+                due = (now + period).min(self.death().filter(|d| *d > now).unwrap_or(now + period));
+            }
+            let Some(received) = self.inbox.wait_until(due.min(now + NAP)) else { continue };
+            if received.channel == channels::COMMAND {
+                if self.obey(&received) {
+                    due = Instant::now();
+                }
+            } else {
+                self.tell(&received)?;
+            }
+            self.inbox.recycle(received);
+        }
+        Ok(())
+    }
+
+    /// When the command in force may no longer be used.
+    fn death(&self) -> Option<Instant> {
+        let (command, came) = self.command.as_ref()?;
+        Some(
+            *came
+                + Duration::from_micros(u64::from(command.valid_for_us.max(0).unsigned_abs()) + 1),
+        )
+    }
+
+    /// Takes a message of the car.
+    fn tell(&mut self, received: &Received) -> Result<()> {
+        let taken = self.mapping.take(&received.channel, &received.payload, received.arrival);
+        if let Some(mut state) = taken {
+            self.moves = state.vx.hypot(state.vy) >= STILL;
+            state.h = self.states.header();
+            self.states.send_sealed(&state)?;
+            self.bridged.states += 1;
+        }
+        Ok(())
+    }
+
+    /// Takes a command; true if it was believed and answers one of this start's states.
+    fn obey(&mut self, received: &Received) -> bool {
+        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let (car, boot_id) = (&self.car, self.boot_id);
+        // There is nobody to arm it: a controller that started anew gets the car at standstill.
+        let (moves, obeyed) = (self.moves, self.obeyed);
+        let welcome = |boot_id| !moves || obeyed.is_none_or(|obeyed| obeyed == boot_id);
+        let sane = |c: &ActuationCommand| {
+            let drives = c.enable && c.mode == ActuationCommand::MODE_DRIVE;
+            (!drives || c.state_boot_id == boot_id && welcome(c.h.boot_id))
+                && (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)
+                && c.steer.abs() <= car.delta_max + 1e-6
+                && c.plan_accel.iter().chain(&c.plan_steer).all(|u| u.is_finite())
+        };
+        let checked = self.guard.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
+        let Ok(Accepted { message, .. }) = checked else { return false };
+        if message.enable && message.mode == ActuationCommand::MODE_DRIVE {
+            self.obeyed = Some(message.h.boot_id);
+        }
+        self.command = Some((message, Instant::now()));
+        true
+    }
+
+    /// Sends the car what is to be applied from `now` on, and reports it.
+    fn actuate(&mut self, now: Instant) -> Result<()> {
+        let running = self.source == 1 || self.source == 2;
+        let mut input = None;
+        self.source = 0;
+        if let Some((command, came)) = &self.command {
+            let age = now.saturating_duration_since(*came).as_secs_f64();
+            input = convert::input_at(command, age);
+            let planned = age > 1.25 * f64::from(command.plan_dt);
+            self.source = if input.is_none() { 3 } else { 1 + i8::from(planned) };
+        }
+        self.bridged.stops += u64::from(running && input.is_none());
+        let input = input.map(|u| Input {
+            a: u.a.clamp(self.car.a_min, self.car.a_max),
+            delta: u.delta.clamp(-self.car.delta_max, self.car.delta_max),
+        });
+        let answers_ns = self.command.as_ref().map(|(command, _)| command.state_mono_ns);
+        let drive = Drive { input, answers_ns, utime: transport::now().utime };
+        self.mapping.command(&drive, &mut self.bytes)?;
+        self.network.publish(self.mapping.command_channel(), &self.bytes)?;
+        self.bridged.sent += 1;
+        self.applied = input.unwrap_or(Input { a: self.car.a_min, ..self.applied });
+        self.report()
+    }
+
+    fn report(&mut self) -> Result<()> {
+        let (cmd_boot_id, cmd_seq) =
+            self.command.as_ref().map(|(c, _)| (c.h.boot_id, c.h.seq)).unwrap_or_default();
+        let report = ActuationReport {
+            h: self.reports.header(),
+            cmd_boot_id,
+            cmd_seq,
+            enabled: matches!(self.source, 1 | 2),
+            source: self.source,
+            accel: self.applied.a,
+            steer: self.applied.delta,
+            ..ActuationReport::default()
+        };
+        let (counts, source) = (self.guard.counts, self.mapping.counts());
+        let state =
+            if report.enabled { lcm_types::Heartbeat::RUNNING } else { lcm_types::Heartbeat::IDLE };
+        self.pulse.update(|health| {
+            health.state = state;
+            health.counts = counts;
+            health.detail = source;
+        });
+        self.reports.send_sealed(&report)
+    }
+}

@@ -1,0 +1,206 @@
+//! An operator's order: said until everybody it concerns has answered, or as long as a dead man's
+//! switch is held.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use lcm_types::{Heartbeat, Message as _, OperatorAck, OperatorCommand, channels};
+
+use protocol::outlet::{Identity, Outlet, random};
+use transport::{Filter, Inbox, Transport};
+
+/// Time between two tellings.
+const REPEAT: Duration = Duration::from_millis(10);
+/// Tellings of an emergency stop each time. \[-\]
+const ESTOP_TIMES: u32 = 3;
+/// In this time everybody on the network was heard: three life signs.
+const LOOK: Duration = Duration::from_millis(300);
+/// Nobody is waited for any longer.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answered {
+    /// `bridge` or `lmpc`.
+    pub who: String,
+    /// The answer.
+    pub ack: OperatorAck,
+}
+
+/// How a dead man's switch came to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Held {
+    /// The START was refused by somebody.
+    Refused(Vec<Answered>),
+    /// It was let go, and these answered the STOP.
+    Released(Vec<Answered>),
+    /// The bridge stopped by itself, and says so.
+    Ended(Answered),
+}
+
+/// An operator at the network: one start of a program.
+pub struct Operator {
+    inbox: Inbox,
+    outlet: Outlet,
+    bridge_channel: String,
+    service_channel: String,
+    /// The arm token the bridge reports.
+    bridge: Option<i64>,
+    /// Boot id and sender of each bridge heard.
+    bridges: Vec<(i64, String)>,
+    service: bool,
+    begun: Instant,
+}
+
+impl Operator {
+    /// Begins to listen.
+    ///
+    /// # Errors
+    /// If the network refuses the subscription.
+    pub fn new(network: &Arc<dyn Transport>) -> Result<Self> {
+        let inbox = Inbox::queue(256);
+        let life = |name: &str| format!("{}{name}", channels::HEARTBEAT);
+        let (bridge_channel, service_channel) = (life("bridge"), life("lmpc"));
+        let names =
+            [channels::OPERATOR_ACK, &bridge_channel, &service_channel].map(str::to_owned).to_vec();
+        network.subscribe(Filter::Only(names), inbox.sink())?;
+        let outlet = Outlet::new(network, &Identity::new("operator"), channels::OPERATOR);
+        let begun = Instant::now();
+        let (bridge, bridges, service) = (None, Vec::new(), false);
+        Ok(Self { inbox, outlet, bridge_channel, service_channel, bridge, bridges, service, begun })
+    }
+
+    /// Says an order once.
+    fn say(&mut self, order: &mut OperatorCommand) -> Result<()> {
+        order.h = self.outlet.header();
+        self.outlet.send_sealed(order)
+    }
+
+    /// The answers to an order that come until `deadline`.
+    fn listen(&mut self, deadline: Instant, request_id: i64, heard: &mut dyn FnMut(Answered)) {
+        while let Some(received) = self.inbox.wait_until(deadline) {
+            if received.channel == self.bridge_channel {
+                if let Ok(beat) = Heartbeat::decode(&received.payload) {
+                    self.bridge = Some(beat.arm_token);
+                    if self.bridges.iter().all(|(boot_id, _)| *boot_id != beat.h.boot_id) {
+                        self.bridges.push((beat.h.boot_id, beat.h.sender));
+                    }
+                }
+            } else if received.channel == self.service_channel {
+                self.service = true;
+            } else if let Ok(ack) = OperatorAck::decode(&received.payload) {
+                let who = ack.h.sender.split('@').next().unwrap_or_default().to_owned();
+                if ack.request_id == request_id {
+                    heard(Answered { who, ack });
+                }
+            }
+        }
+    }
+
+    /// Gives an order and waits for its answers. START without a token takes the one the bridge
+    /// says.
+    ///
+    /// # Errors
+    /// If nobody answers, the network refuses it, or ARM or START would reach two bridges.
+    pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<Answered>> {
+        order.request_id = random();
+        if matches!(order.command, OperatorCommand::ARM | OperatorCommand::START) {
+            self.listen(self.begun + LOOK, 0, &mut |_| {});
+            if let [(one, first), (two, second), ..] = &self.bridges[..] {
+                bail!(
+                    "two bridges are on this network, {first} (boot id {one}) and {second} (boot \
+                     id {two}): end one, or give each a network of its own"
+                );
+            }
+        }
+        let begun = Instant::now();
+        let estop = order.command == OperatorCommand::ESTOP;
+        let for_bridge = matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM);
+        let needs_token = order.command == OperatorCommand::START && order.arm_token == 0;
+        let mut next = begun;
+        let mut acks: Vec<Answered> = Vec::new();
+        while begun.elapsed() < PATIENCE {
+            let looked = self.begun.elapsed() > LOOK;
+            if needs_token && let Some(token) = self.bridge {
+                order.arm_token = token;
+            }
+            if !needs_token || self.bridge.is_some() || looked {
+                for _ in 0..if estop { ESTOP_TIMES } else { 1 } {
+                    self.say(order)?;
+                }
+            }
+            next += REPEAT;
+            self.listen(next, order.request_id, &mut |answer| {
+                if acks.iter().all(|known| known.who != answer.who) {
+                    acks.push(answer);
+                }
+            });
+            let answered = |who: &str| acks.iter().any(|answer| answer.who == who);
+            let served = for_bridge || !self.service || answered("lmpc");
+            let bridged = self.bridge.is_none() || answered("bridge");
+            if !acks.is_empty() && served && bridged && looked {
+                break;
+            }
+            // A refusal is final, and an emergency stop that the bridge heard has happened.
+            let settled = |a: &Answered| a.who == "bridge" && (estop || !a.ack.accepted);
+            if acks.iter().any(settled) {
+                break;
+            }
+        }
+        if acks.is_empty() {
+            bail!(
+                "nobody answered within {} s: is `lmpc bridge` or `lmpc serve` running on this \
+                 network?",
+                PATIENCE.as_secs()
+            );
+        }
+        Ok(acks)
+    }
+
+    /// START with the dead man's switch held until `release` is set, then STOP; `begun` hears who
+    /// obeys. When this program dies, the bridge hears nothing, and stops the car by that.
+    ///
+    /// # Errors
+    /// If no bridge is there to watch the switch, nobody answers, or the network refuses it.
+    pub fn hold(
+        &mut self,
+        mut start: OperatorCommand,
+        release: &AtomicBool,
+        begun: &mut dyn FnMut(&[Answered]) -> Result<()>,
+    ) -> Result<Held> {
+        self.listen(self.begun + LOOK, 0, &mut |_| {});
+        if self.bridge.is_none() {
+            bail!("no bridge is heard: nobody would watch the dead man's switch");
+        }
+        start.deadman = true;
+        let answers = self.give(&mut start)?;
+        if answers.iter().any(|answer| !answer.ack.accepted) {
+            return Ok(Held::Refused(answers));
+        }
+        begun(&answers)?;
+        let mut next = Instant::now();
+        while !release.load(Ordering::Relaxed) {
+            self.say(&mut start)?;
+            next += REPEAT;
+            let mut ended = None;
+            self.listen(next, start.request_id, &mut |answer| {
+                if answer.who == "bridge" && !answer.ack.accepted {
+                    ended = Some(answer);
+                }
+            });
+            if let Some(ended) = ended {
+                return Ok(Held::Ended(ended));
+            }
+        }
+        Ok(Held::Released(self.stop(&start)?))
+    }
+
+    fn stop(&mut self, start: &OperatorCommand) -> Result<Vec<Answered>> {
+        let command = OperatorCommand::STOP;
+        let reason = "dead man's switch released".to_owned();
+        let arm_token = start.arm_token;
+        self.give(&mut OperatorCommand { command, arm_token, reason, ..Default::default() })
+    }
+}

@@ -1,0 +1,187 @@
+//! Heartbeats, ten a second, from a thread of their own, and once a second track and setup.
+
+use std::fmt::{Display, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use lcm_types::{Heartbeat, Setup, Track, channels};
+
+use hosting::memory::resident_mb;
+use hosting::worker::Worker;
+use protocol::guard::Counts;
+use protocol::outlet::{Identity, Outlet};
+use transport::Transport;
+
+const INTERVAL: Duration = Duration::from_millis(100);
+/// Heartbeats from one message of track and setup to the next. \[-\]
+const PLACE_EVERY: u64 = 10;
+
+/// What a program says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Health<D = String> {
+    /// One of the states of [`Heartbeat`].
+    pub state: i8,
+    /// Messages received and refused.
+    pub counts: Counts,
+    /// The grant in force, 0 for none. \[-\]
+    pub arm_token: i64,
+    /// What a person should know; put into words when it is sent.
+    pub detail: D,
+}
+
+/// Where and with what a controller drives.
+#[derive(Debug, Clone, Default)]
+pub struct Place {
+    /// The track, for `MAP/TRACK`.
+    pub track: Track,
+    /// The setup, for `LMPC/SETUP`.
+    pub setup: Setup,
+}
+
+/// The sending thread; ends when dropped.
+pub struct Pulse<D = String> {
+    health: Arc<Mutex<Health<D>>>,
+    _worker: Worker,
+}
+
+impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
+    /// Begins to send on `HB/<name>`, and `place`, if there is one, on `MAP/TRACK` and `LMPC/SETUP`.
+    ///
+    /// # Errors
+    /// If the thread cannot be started.
+    pub fn start(
+        network: &Arc<dyn Transport>,
+        identity: &Identity,
+        name: &str,
+        place: Option<Place>,
+    ) -> std::io::Result<Self> {
+        let health: Arc<Mutex<Health<D>>> = Arc::default();
+        let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
+        let place = place.map(|place| {
+            let outlet = |channel: &str| Outlet::new(network, identity, channel);
+            (outlet(channels::TRACK), outlet(channels::SETUP), place)
+        });
+        let seen = Arc::clone(&health);
+        let worker = Worker::start("lmpc-pulse", move |stop| beat(outlet, place, &seen, stop))?;
+        Ok(Self { health, _worker: worker })
+    }
+
+    /// Changes what is said.
+    pub fn update(&self, change: impl FnOnce(&mut Health<D>)) {
+        change(&mut self.health.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+fn beat<D: Display + Clone>(
+    mut outlet: Outlet,
+    mut place: Option<(Outlet, Outlet, Place)>,
+    health: &Mutex<Health<D>>,
+    stop: &AtomicBool,
+) {
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let mut message = Heartbeat { version, ..Heartbeat::default() };
+    let begun = Instant::now();
+    let mut due = begun;
+    for count in 0_u64.. {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let Health { state, counts, arm_token, detail } =
+            health.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let mut words = std::mem::take(&mut message.detail);
+        words.clear();
+        // A text takes everything.
+        let _ = write!(words, "{detail}");
+        message = Heartbeat {
+            h: outlet.header(),
+            state,
+            arm_token,
+            uptime_s: begun.elapsed().as_secs_f64(),
+            rss_mb: resident_mb("self"),
+            rx_ok: counts.ok,
+            rx_bad: counts.bad,
+            rx_old: counts.old,
+            rx_stale: counts.stale,
+            rx_lost: counts.lost,
+            detail: words,
+            ..message
+        };
+        // A life sign that is lost is what its absence says.
+        let _ = outlet.send(&message);
+        if let Some((tracks, setups, place)) = place.as_mut().filter(|_| count % PLACE_EVERY == 0) {
+            (place.track.h, place.setup.h) = (tracks.header(), setups.header());
+            // Whoever misses them gets them again in a second.
+            let _ = tracks.send_sealed(&place.track);
+            let _ = setups.send_sealed(&place.setup);
+        }
+        due += INTERVAL;
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use std::fmt;
+    use std::sync::atomic::AtomicUsize;
+
+    use lcm_types::Message as _;
+
+    use super::*;
+    use transport::{Error, Filter, Sink, Statistics};
+
+    /// Keeps what is said.
+    #[derive(Default)]
+    struct Ear(Mutex<Vec<Heartbeat>>);
+
+    impl Transport for Ear {
+        fn publish(&self, _: &str, payload: &[u8]) -> Result<(), Error> {
+            self.0.lock().unwrap().push(Heartbeat::decode(payload).unwrap());
+            Ok(())
+        }
+
+        fn subscribe(&self, _: Filter, _: Box<dyn Sink>) -> Result<(), Error> {
+            Ok(())
+        }
+
+        fn statistics(&self) -> Statistics {
+            Statistics::default()
+        }
+
+        fn warnings(&self) -> &[String] {
+            &[]
+        }
+    }
+
+    /// Counts how often it is put into words.
+    #[derive(Clone, Default)]
+    struct Words(u32, Arc<AtomicUsize>);
+
+    impl Display for Words {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            write!(f, "tick {}", self.0)
+        }
+    }
+
+    #[test]
+    fn words_are_made_for_what_is_sent_and_not_at_every_tick() {
+        let (ear, made) = (Arc::new(Ear::default()), Arc::new(AtomicUsize::new(0)));
+        let network: Arc<dyn Transport> = Arc::<Ear>::clone(&ear);
+        let pulse = Pulse::start(&network, &Identity::new("test"), "test", None).unwrap();
+        for tick in (0..40).map(|n| 1000 - n) {
+            pulse.update(|health| health.detail = Words(tick, Arc::clone(&made)));
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        drop(pulse);
+        let said: Vec<_> = ear.0.lock().unwrap().drain(..).map(|beat| beat.detail).collect();
+        // The first life sign may come before the first tick.
+        let mut made = made.load(Ordering::Relaxed);
+        made += usize::from(said.first().is_some_and(|first| first == "tick 0"));
+        assert!(said.len() >= 3, "{said:?}");
+        assert_eq!(made, said.len(), "{said:?}");
+        let ticks: Vec<u32> = said.iter().skip(1).map(|said| said[5..].parse().unwrap()).collect();
+        assert!(ticks.windows(2).all(|pair| pair[0] > pair[1]), "each says its own: {said:?}");
+    }
+}

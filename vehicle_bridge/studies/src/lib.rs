@@ -1,0 +1,15 @@
+//! Studies over many seeds: those of the paper, and cars on tracks.
+
+mod csv_file;
+mod definition;
+mod ledger;
+mod plots;
+mod runs;
+mod table;
+pub mod tracks;
+
+pub use definition::{Cell, Definition, Paper, StudyName};
+pub use ledger::{Ledger, RunRow, StudyLap};
+pub use plots::page;
+pub use runs::{Plan, run_one};
+pub use table::{CellSummary, summarize, text_table};
