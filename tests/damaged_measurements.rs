@@ -11,7 +11,14 @@ use vehicle_model::{Input, State};
 
 /// A car in its second learned lap, `steps` behind the line.
 fn racing(steps: u32) -> Drive {
-    let mut drive = Drive::new(Config::default());
+    racing_with(steps, true)
+}
+
+/// The same with or without leave to drive back to the line by itself.
+fn racing_with(steps: u32, active: bool) -> Drive {
+    let mut config = Config::default();
+    config.recovery.active = active;
+    let mut drive = Drive::new(config);
     drive.until(LapKind::Learning, 1);
     assert!(drive.laps.iter().all(|lap| lap.valid));
     for _ in 0..steps {
@@ -260,7 +267,7 @@ fn a_car_that_stands_still() {
     let mut drive = racing(10);
     let s = drive.plant.truth().s;
     let status = carried(&mut drive, State { s, ..State::default() }).status;
-    assert_eq!((status.action, status.reason), (Action::Tracking, Reason::Standstill));
+    assert_eq!((status.action, status.reason), (Action::Recovering, Reason::Standstill));
     assert!(drive.step().input.a > 0.0, "it starts again");
     drive.until_action(Action::Learned);
     drive.until(LapKind::Learning, 4);
@@ -269,16 +276,19 @@ fn a_car_that_stands_still() {
 
 #[test]
 fn a_car_off_the_track() {
-    let mut drive = racing(10);
     // On the grass, within reach.
     let x = State { s: 1.0, e_y: 1.2, v_x: 1.0, ..State::default() };
-    let command = carried(&mut drive, x);
-    assert_eq!(command.status.action, Action::Tracking);
-    assert_eq!(command.status.reason, Reason::OffTrack);
-    drive.until_action(Action::Learned);
-    goes_on_learning(drive);
-    // In the next field: hopeless.
-    let mut drive = racing(10);
+    for active in [true, false] {
+        let mut drive = racing_with(10, active);
+        let command = carried(&mut drive, x);
+        let action = if active { Action::Recovering } else { Action::Tracking };
+        assert_eq!(command.status.action, action);
+        assert_eq!(command.status.reason, Reason::OffTrack);
+        drive.until_action(Action::Learned);
+        goes_on_learning(drive);
+    }
+    // In the next field: hopeless without leave to drive back.
+    let mut drive = racing_with(10, false);
     let command = carried(&mut drive, State { e_y: -6.0, ..x });
     assert_eq!(command.status.action, Action::Braking);
     assert_eq!(command.status.reason, Reason::OffTrack);
@@ -286,7 +296,7 @@ fn a_car_off_the_track() {
 
 #[test]
 fn a_car_that_points_backwards() {
-    let mut drive = racing(10);
+    let mut drive = racing_with(10, false);
     let mut x = State { s: 4.0, e_psi: 3.0, v_x: 1.0, ..State::default() };
     let command = carried(&mut drive, x);
     assert_eq!(command.status.action, Action::Braking);

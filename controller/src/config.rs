@@ -4,13 +4,16 @@
 //! value has one. Every key has a default: that of the preset named by `preset`, `race` if none
 //! is named.
 
+mod check;
+mod unforeseen;
+
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, NX, Track};
 
 use crate::error::ConfigError;
 use crate::presets::Preset;
 
-mod check;
+pub use unforeseen::{DelayConfig, FilterConfig, RecoveryConfig};
 
 /// Everything a study varies about the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,6 +39,10 @@ pub struct Config {
     pub warm_up: WarmUpConfig,
     /// Delay compensation.
     pub delay: DelayConfig,
+    /// State estimation.
+    pub filter: FilterConfig,
+    /// Incidents.
+    pub recovery: RecoveryConfig,
     /// QP solver.
     pub solver: SolverConfig,
 }
@@ -229,15 +236,6 @@ pub struct WarmUpConfig {
     pub noise_delta: f64,
     /// Seed of that noise.
     pub seed: u64,
-}
-
-/// Delay compensation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DelayConfig {
-    /// Whole periods between a command and its effect; the state is predicted through the
-    /// queued inputs. [0, 20]
-    pub steps: usize,
 }
 
 /// Which method solves the QP.

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use nalgebra::Matrix6;
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track, Tracker};
 
 use crate::actuator::Actuators;
-use crate::config::{Config, NominalModel};
+use crate::config::{Config, NominalModel, RegressionConfig};
 use crate::error::ConfigError;
 use crate::fhocp::Fhocp;
-use crate::learned_model::LearnedModel;
+use crate::filter::{Filter, Prediction};
+use crate::learned_model::{self, LearnedModel};
 use crate::learning::dataset::Lap;
 use crate::learning::regression::Scratch;
 use crate::learning::safe_set::SafeSet;
@@ -38,6 +40,9 @@ pub(crate) struct Setup {
     pub(crate) model: Discretized,
     pub(crate) tracker: Tracker,
     pub(crate) actuators: Actuators,
+    pub(crate) filter: Option<Filter>,
+    /// The regression's settings, its ridge as the noise asks for.
+    pub(crate) regression: RegressionConfig,
 }
 
 impl Controller {
@@ -65,6 +70,8 @@ impl Controller {
             setup: Setup {
                 tracker: Tracker::new(&car),
                 actuators: Actuators::new(&car, dt),
+                regression: config.regression.clone(),
+                filter: config.filter.active.then(|| Filter::new(&config.filter, &car, dt)),
                 config,
                 car,
                 track,
@@ -82,10 +89,13 @@ impl Controller {
     pub fn step_probed(&mut self, measurement: &Measurement, probe: &mut impl Probe) -> Command {
         self.prepare_probed(probe);
         probe.begin(Phase::Project);
+        let prediction = self.prediction(measurement);
         let observer = Observer {
             config: &self.setup.config,
             track: &self.setup.track,
             jump_floor: self.setup.car.l_f + self.setup.car.l_r,
+            filter: self.setup.filter.as_ref(),
+            prediction: prediction.as_ref(),
         };
         let observed = observer.observe(&mut self.memory, measurement);
         probe.end(Phase::Project);
@@ -100,6 +110,26 @@ impl Controller {
         }
         let wanted = self.limited(wanted, &mut status);
         Command { input: self.commit(wanted), status }
+    }
+
+    /// The model from the last believed state to the next measurement, for the filter.
+    fn prediction(&mut self, measurement: &Measurement) -> Option<Prediction> {
+        self.setup.filter.as_ref()?;
+        let last = self.memory.last?;
+        let acting = self.memory.dataset.current.samples.last().map(|sample| sample.u);
+        let u = measurement.applied.or(acting)?;
+        let (setup, x) = (&self.setup, &last.state);
+        let mode = setup.config.regression.mode;
+        let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, &u);
+        let mut model = nominal;
+        if self.memory.estimate.filters() {
+            let data = &self.memory.derived.regression;
+            let scratch = &mut self.work.scratch;
+            model = model + learned_model::error(data, &setup.regression, 0, (x, &u), scratch).0;
+        }
+        let next = model.apply(&x.to_vector(), &u.to_vector());
+        // Slopes learned from noise are noise.
+        Some(Prediction { a: nominal.a, next })
     }
 
     /// What can be done before the next measurement: lap-end learning, and the preparation of
@@ -140,7 +170,8 @@ impl Controller {
     pub fn set_speed_cap(&mut self, cap: f64) -> Result<(), ConfigError> {
         let mut config = self.setup.config.clone();
         config.limits.speed_cap = cap;
-        self.work.set_speed_cap(&config.checked()?, &self.memory);
+        self.work.set_speed_cap(&config.checked()?);
+        self.prepared = false;
         Ok(())
     }
 
@@ -182,6 +213,13 @@ impl Controller {
     #[must_use]
     pub fn grip(&self) -> [f64; 2] {
         self.memory.grip
+    }
+
+    /// Covariance of the state that the last step used, as the filter predicts it; none where the
+    /// measurement passed as it was.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Matrix6<f64>> {
+        self.memory.estimate.covariance()
     }
 
     /// The learned model around a point, in its parts.

@@ -26,6 +26,11 @@ impl Controller {
             self.memory.query_s -= length;
             self.work.cross_line(length);
         }
+        if self.setup.config.recovery.active
+            && let Some(input) = self.recovered(&seen.state, status)
+        {
+            return input;
+        }
         if !self.memory.learning {
             return self.warm_up(&seen.state, status);
         }
@@ -52,7 +57,7 @@ impl Controller {
     }
 
     /// Why the learned controller cannot drive from here, if so.
-    fn unfit(&self, x: &State) -> Option<Reason> {
+    pub(crate) fn unfit(&self, x: &State) -> Option<Reason> {
         let (left, right) = (self.setup.track.width_left(x.s), self.setup.track.width_right(x.s));
         let outside = (x.e_y - left).max(-right - x.e_y);
         if x.e_psi.abs() > std::f64::consts::FRAC_PI_2 {
@@ -62,7 +67,17 @@ impl Controller {
         if outside > 0.25 * (left + right) {
             return Some(Reason::OffTrack);
         }
-        (x.v_x < 0.25 * self.setup.config.warm_up.speed).then_some(Reason::Standstill)
+        (x.v_x < self.standing()).then_some(Reason::Standstill)
+    }
+
+    /// Speed below which a car stands \[m/s\].
+    pub(crate) fn standing(&self) -> f64 {
+        (0.25 * self.setup.config.warm_up.speed).min(0.5 * self.work.speed_cap())
+    }
+
+    /// Speed at which the car is driven by tracking \[m/s\].
+    pub(crate) fn tracking_speed(&self) -> f64 {
+        self.setup.config.warm_up.speed.min(self.work.speed_cap())
     }
 
     /// Tracking back to the track, or braking where that is hopeless.
@@ -74,7 +89,7 @@ impl Controller {
             return self.setup.tracker.brake(x, &self.setup.track);
         }
         status.action = Action::Tracking;
-        self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed)
+        self.setup.tracker.track(x, &self.setup.track, self.tracking_speed())
     }
 
     /// The FHOCP's first input; if there is none, the shifted plan, then tracking, then braking.
@@ -127,7 +142,7 @@ impl Controller {
         self.memory.plan.clear();
         if age <= 3 * n {
             status.action = Action::Tracking;
-            return self.setup.tracker.track(x, &self.setup.track, self.setup.config.warm_up.speed);
+            return self.setup.tracker.track(x, &self.setup.track, self.tracking_speed());
         }
         status.action = Action::Braking;
         self.setup.tracker.brake(x, &self.setup.track)

@@ -19,11 +19,17 @@ impl Controller {
     /// Lap-end work: grip, safe-set laps, regression targets and tree.
     pub(crate) fn learn(&mut self) {
         self.memory.lap_due = false;
+        self.weigh_ridge();
         let nominal = &self.setup.config.nominal;
         if nominal.adapt_grip && nominal.model == NominalModel::Dynamic {
             let laps = self.memory.dataset.laps.iter().rev();
             let recent = laps.flat_map(|lap| lap.samples.iter().rev()).take(grip::SAMPLES);
-            let fitted = grip::fit(&self.setup.model, &self.setup.track, recent);
+            let fitted = {
+                let (filter, estimate) = (&self.setup.filter, &self.memory.estimate);
+                let noise = filter.as_ref().map(|filter| filter.velocity_noise(estimate));
+                let noise = noise.unwrap_or_default();
+                grip::fit(&self.setup.model, &self.setup.track, recent, noise)
+            };
             // A new grip invalidates all residuals, so changes too small to matter are ignored.
             if grip::differ(fitted, self.memory.grip) {
                 self.memory.grip = fitted;
@@ -31,6 +37,13 @@ impl Controller {
             }
         }
         self.derive();
+    }
+
+    /// The ridge weight that the noise of the data asks for, at least the configured one.
+    pub(crate) fn weigh_ridge(&mut self) {
+        let asked = self.setup.filter.as_ref().map(|filter| filter.ridge(&self.memory.estimate));
+        self.setup.regression.ridge =
+            self.setup.config.regression.ridge.max(asked.unwrap_or_default());
     }
 
     /// Brings what follows from laps and grip up to date: the residuals of the new laps, or of all

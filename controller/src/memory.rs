@@ -9,10 +9,12 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::config::Config;
+use crate::filter::Estimate;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::envelope::{Envelope, NearMiss};
 use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
+use crate::recovery::Recovery;
 use crate::status::LapKind;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
@@ -29,6 +31,8 @@ pub(crate) struct Memory {
     pub(crate) learned_laps: u32,
     /// Last measurement believed.
     pub(crate) last: Option<Last>,
+    /// What the filter knows.
+    pub(crate) estimate: Estimate,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
     /// Inputs that do not act yet, oldest first.
@@ -49,6 +53,10 @@ pub(crate) struct Memory {
     pub(crate) plan_tail: Input,
     /// A lap was closed and has not been learned from.
     pub(crate) lap_due: bool,
+    /// The car has driven since the controller began.
+    pub(crate) underway: bool,
+    /// The way back to the line after an incident, while it lasts.
+    pub(crate) recovery: Option<Recovery>,
     /// Noise of the initial laps.
     pub(crate) rng: Pcg64,
     /// Made of the rest at lap end.
@@ -87,6 +95,7 @@ impl Memory {
             learning: false,
             learned_laps: 0,
             last: None,
+            estimate: Estimate::default(),
             suspects: 0,
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
@@ -97,6 +106,8 @@ impl Memory {
             query_s: 0.0,
             plan_tail: Input::default(),
             lap_due: false,
+            underway: false,
+            recovery: None,
             rng: Pcg64::seed_from_u64(config.warm_up.seed),
             derived: Arc::default(),
         };

@@ -4,6 +4,7 @@ use vehicle_model::track::wrap_angle;
 use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
+use crate::filter::{Filter, Prediction, smooth};
 use crate::learning::dataset::Sample;
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
@@ -21,6 +22,9 @@ pub(crate) struct Observer<'a> {
     pub(crate) track: &'a Track,
     /// The wheelbase: a deviation up to this is no jump [m].
     pub(crate) jump_floor: f64,
+    pub(crate) filter: Option<&'a Filter>,
+    /// What the filter expects one period after the last measurement.
+    pub(crate) prediction: Option<&'a Prediction>,
 }
 
 /// A believed measurement.
@@ -65,6 +69,7 @@ impl Observer<'_> {
         }
         memory.suspects = 0;
         let gap = !(0.5..1.5).contains(&periods);
+        let state = self.filtered(memory, state, gap);
         self.complete_last_sample(memory, &state, measurement.applied, gap);
         let ahead = state.s - last.state.s;
         let half = 0.5 * self.track.length();
@@ -88,7 +93,16 @@ impl Observer<'_> {
         if !measurement.time.is_finite() || measurement.applied.is_some_and(|u| !u.is_finite()) {
             return None;
         }
-        let mut state = match measurement.pose {
+        let mut pose = measurement.pose;
+        if self.filter.is_some_and(Filter::blind) {
+            // Velocities nobody measured are those of before.
+            let x = memory.last.map(|last| last.state).unwrap_or_default();
+            match &mut pose {
+                Pose::Frenet(to) => (to.v_x, to.v_y, to.omega_z) = (x.v_x, x.v_y, x.omega_z),
+                Pose::Global(to) => (to.v_x, to.v_y, to.omega_z) = (x.v_x, x.v_y, x.omega_z),
+            }
+        }
+        let mut state = match pose {
             Pose::Frenet(state) if state.is_finite() => state,
             Pose::Global(global) if global.is_finite() => {
                 self.track.to_frenet(&global, memory.last.map(|last| last.state.s))
@@ -100,6 +114,18 @@ impl Observer<'_> {
         state.is_finite().then_some(state)
     }
 
+    /// The filter's estimate, or the measurement itself where there is no filter.
+    fn filtered(&self, memory: &mut Memory, measured: State, anew: bool) -> State {
+        let Some(filter) = self.filter else { return measured };
+        let estimate = &mut memory.estimate;
+        match (self.prediction, &memory.last) {
+            (Some(prediction), Some(last)) if !anew => {
+                filter.update(estimate, &last.state, prediction, &measured, self.track)
+            }
+            _ => filter.begin(estimate, &measured),
+        }
+    }
+
     /// Counts a doubtful measurement; whether it is still to be refused.
     fn doubtful(&self, memory: &mut Memory) -> bool {
         memory.suspects += 1;
@@ -109,6 +135,7 @@ impl Observer<'_> {
     /// Starts recording at a place not connected with what came before.
     fn begin(&self, memory: &mut Memory, time: f64, state: State, reason: Reason) -> Observation {
         let first = memory.last.is_none();
+        let state = self.filtered(memory, state, true);
         let near_line = state.s < 0.02 * self.track.length();
         memory.suspects = 0;
         memory.drop_plan();
@@ -128,20 +155,27 @@ impl Observer<'_> {
     /// frame: there a curvature step of the centre line makes no step.
     fn jumped(&self, last: &Last, time: f64, state: &State) -> bool {
         let dt = time - last.time;
-        let (before, now) = (&last.state, state);
-        let turned = (now.omega_z - before.omega_z).abs() * self.jump_floor;
-        let pushed = libm::hypot(now.v_x - before.v_x, now.v_y - before.v_y);
+        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
+        let turned = (to.omega_z - from.omega_z).abs() * self.jump_floor;
+        // A car that spins keeps its velocity and turns its frame: both readings are true ones.
+        let (sin, cos) = libm::sincos(to.psi - from.psi);
+        let (v_x, v_y) = (to.v_x * cos - to.v_y * sin, to.v_x * sin + to.v_y * cos);
+        let pushed = libm::hypot(to.v_x - from.v_x, to.v_y - from.v_y)
+            .min(libm::hypot(v_x - from.v_x, v_y - from.v_y));
         if pushed.max(turned) > HARDEST * dt.max(self.config.horizon.period) {
             return true;
         }
-        let (from, to) = (self.track.to_global(&last.state), self.track.to_global(state));
-        let (sin, cos) = libm::sincos(from.psi + 0.5 * dt * from.omega_z);
-        let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
-        let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
-        let driven = dt * from.v_x.abs().max(to.v_x.abs());
+        // Along a bend, or straight on sideways.
+        let missed_with = |turned: f64| {
+            let (sin, cos) = libm::sincos(from.psi + turned);
+            let x = from.x + dt * (from.v_x * cos - from.v_y * sin);
+            let y = from.y + dt * (from.v_x * sin + from.v_y * cos);
+            libm::hypot(to.x - x, to.y - y)
+        };
+        let missed = missed_with(0.5 * dt * from.omega_z).min(missed_with(0.0));
+        let driven = dt * libm::hypot(from.v_x, from.v_y).max(libm::hypot(to.v_x, to.v_y));
         let periods = (dt / self.config.horizon.period).max(1.0);
         let allowed = self.jump_floor * periods + JUMP_SHARE * driven;
-        let missed = libm::hypot(to.x - x, to.y - y);
         missed > allowed || missed.is_nan()
     }
 
@@ -160,7 +194,8 @@ impl Observer<'_> {
         if let Some(applied) = applied {
             sample.u = applied;
         }
-        sample.next = (!gap).then_some([state.v_x, state.v_y, state.omega_z]);
+        let taught = !gap && !current.spoiled;
+        sample.next = taught.then_some([state.v_x, state.v_y, state.omega_z]);
     }
 
     /// Closes the lap at the interpolated crossing of the line.
@@ -175,6 +210,10 @@ impl Observer<'_> {
         let share = before / (before + state.s);
         let end_time = last.time + share * (time - last.time);
         let kind = if memory.learning { LapKind::Learning } else { LapKind::Warmup };
+        let steps = &mut memory.estimate.steps;
+        smooth(&mut memory.dataset.current.samples, steps, self.track);
+        // The measurement behind the line belongs to the lap that begins.
+        steps.drain(..steps.len().saturating_sub(1));
         let finished = memory.dataset.close(memory.lap, kind, end_time);
         if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
             memory.learned_laps += 1;

@@ -14,6 +14,9 @@ use crate::memory::Memory;
 use crate::slip::{self, Dissipation};
 use crate::status::{Phase, Probe};
 
+/// Share of the brakes with which a plan slows down to a speed cap.
+const CAP_BRAKE: f64 = 0.5;
+
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
 
@@ -84,10 +87,14 @@ impl Workspace {
         &self.problem
     }
 
-    pub(crate) fn set_speed_cap(&mut self, config: &Config, memory: &Memory) {
+    pub(crate) fn set_speed_cap(&mut self, config: &Config) {
         self.speed_cap = bound(config.limits.speed_cap);
-        self.bound_speed(memory);
         self.solver.forget();
+    }
+
+    /// Speed cap; infinite for none \[m/s\].
+    pub(crate) fn speed_cap(&self) -> f64 {
+        self.speed_cap
     }
 
     /// The car crosses the line: s counts on from it.
@@ -112,6 +119,10 @@ impl Workspace {
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.derived.selected, &query, size);
+        if self.speed_cap.is_finite() {
+            let slowest = self.problem.speed_max.last().copied().unwrap_or(f64::INFINITY);
+            self.safe_set.slow_down(slowest, setup.car.l_r);
+        }
         probe.end(Phase::SafeSet);
         self.weigh(&setup.config, memory);
         probe.begin(Phase::Solve);
@@ -147,21 +158,25 @@ impl Workspace {
             self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin - left;
             self.problem.e_y_min[t] = margin + right - setup.track.width_right(next.s);
         }
-        self.bound_speed(memory);
+        self.bound_speed(setup, memory);
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
         learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
     }
 
-    /// Greatest speed of each stage's end: envelope, limits and cap.
-    fn bound_speed(&mut self, memory: &Memory) {
+    /// Greatest speed of each stage's end: envelope, limits and cap. A cap below the present speed is
+    /// approached with a part of the brakes, so that the plan stays on the line.
+    fn bound_speed(&mut self, setup: &Setup, memory: &Memory) {
+        let slower = CAP_BRAKE * setup.car.a_min.abs() * setup.config.horizon.period;
+        let mut approach = memory.plan.x.first().map_or(0.0, |x| x.v_x);
         for (most, next) in self.problem.speed_max.iter_mut().zip(memory.plan.x.iter().skip(1)) {
-            let limit = self.limit.at(next.s).min(self.speed_cap);
+            approach -= slower;
+            let limit = self.limit.at(next.s).min(self.speed_cap.max(approach));
             *most = memory.derived.envelope.at(next.s).min(limit);
         }
     }
 
     fn regress(&mut self, setup: &Setup, memory: &Memory) {
-        let (data, config) = (&memory.derived.regression, &setup.config.regression);
+        let (data, config) = (&memory.derived.regression, &setup.regression);
         self.supports.clear();
         for (t, ((x, acting), u)) in self.points.iter().zip(&memory.plan.u).enumerate() {
             let before = before(memory, t);
@@ -252,8 +267,7 @@ impl Workspace {
     ) -> LearnedModel {
         let mode = setup.config.regression.mode;
         let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
-        let (error, support) =
-            learned_model::error(data, &setup.config.regression, 0, (x, u), scratch);
+        let (error, support) = learned_model::error(data, &setup.regression, 0, (x, u), scratch);
         LearnedModel { nominal, error, support }
     }
 }

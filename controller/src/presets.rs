@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, Horizon, LimitsConfig,
-    NominalConfig, NominalModel, RegressionConfig, RegressionMode, SafeSetConfig, Selection,
-    SolverConfig, SolverMethod, WarmUpConfig,
+    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, FilterConfig, Horizon, LimitsConfig,
+    NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode, SafeSetConfig,
+    Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 /// A named set of settings.
@@ -77,6 +77,13 @@ impl Config {
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
             delay: DelayConfig { steps: 0 },
+            filter: FilterConfig {
+                active: false,
+                velocities: true,
+                noise: [0.0; 6],
+                model_error: 0.02,
+            },
+            recovery: RecoveryConfig { active: false },
             solver: SolverConfig {
                 method: SolverMethod::Structured,
                 fallback: true,
@@ -108,6 +115,8 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
+            filter: FilterConfig { active: true, ..paper.filter },
+            recovery: RecoveryConfig { active: true },
             limits: LimitsConfig {
                 body: true,
                 front_slip: 0.14,
@@ -146,5 +155,7 @@ default_of_race! {
     limits: LimitsConfig,
     warm_up: WarmUpConfig,
     delay: DelayConfig,
+    filter: FilterConfig,
+    recovery: RecoveryConfig,
     solver: SolverConfig,
 }

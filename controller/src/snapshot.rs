@@ -26,6 +26,7 @@ impl Controller {
     pub fn resume(&mut self, state: &ControllerState) {
         self.memory = state.memory.clone();
         self.setup.model.model.grip = self.memory.grip;
+        self.weigh_ridge();
         // What follows from the laps is not written with the state.
         if self.memory.derived.selected.is_empty() && !self.memory.dataset.laps.is_empty() {
             self.derive();

@@ -40,6 +40,8 @@ pub enum Action {
     Tracking,
     /// Braking along the centre line.
     Braking,
+    /// Slowly back to the centre line after an incident; [`Status::reason`] names it.
+    Recovering,
 }
 
 /// Why the step did what it did, if not the normal course.
@@ -66,6 +68,10 @@ pub enum Reason {
     Standstill,
     /// No lap has been recorded to learn from.
     NoSafeSet,
+    /// The car slides across its own heading.
+    Spin,
+    /// The car points across the track where driving is to begin.
+    Askew,
 }
 
 /// How the solver ended.

@@ -14,6 +14,8 @@ const REACH_TIME: f64 = 0.8;
 const BEND_SHARE: f64 = 0.3;
 /// Share of the strongest braking with which bends are approached.
 const BEND_BRAKE: f64 = 0.3;
+/// Deviation by slow steering that is allowed, as a share of the width of the track.
+const STEER_ASTRAY: f64 = 0.02;
 /// Places looked at ahead.
 const LOOKED_AT: f64 = 20.0;
 /// Share of the tyres' grip that braking may use.
@@ -25,6 +27,8 @@ pub struct Tracker {
     wheelbase: f64,
     /// Lateral acceleration the tyres hold [m/s^2].
     grip: f64,
+    /// Rate of the steering, where it is limited \[rad/s\].
+    steering_rate: Option<f64>,
     least: Input,
     most: Input,
 }
@@ -37,6 +41,7 @@ impl Tracker {
         Self {
             wheelbase: car.l_f + car.l_r,
             grip: 9.81 * mu,
+            steering_rate: car.delta_rate_max,
             least: Input { a: car.a_min, delta: -car.delta_max },
             most: Input { a: car.a_max, delta: car.delta_max },
         }
@@ -45,10 +50,34 @@ impl Tracker {
     /// Follows the centre line at speed `v_ref` \[m/s\], slower where a bend ahead asks for it.
     #[must_use]
     pub fn track(&self, x: &State, track: &Track, v_ref: f64) -> Input {
-        let v_ref = v_ref.min(self.bend_speed(x, track));
         let climb = if track.is_flat() { 0.0 } else { GRAVITY * libm::sin(track.slope(x.s)) };
-        let a = ((v_ref - x.v_x) / SPEED_TIME + climb).clamp(self.least.a, self.most.a);
+        let wanted = self.speed_loop(x, v_ref.min(self.bend_speed(x, track))) + climb;
+        let a = wanted.clamp(self.least.a, self.most.a);
         Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
+    }
+
+    /// Acceleration towards a speed.
+    #[must_use]
+    pub fn speed_loop(&self, x: &State, v_ref: f64) -> f64 {
+        ((v_ref - x.v_x) / SPEED_TIME).clamp(self.least.a, self.most.a)
+    }
+
+    /// Braking that what the car's turning uses of the grip leaves \[m/s^2\].
+    #[must_use]
+    pub fn brakes(&self, x: &State) -> f64 {
+        self.left_for_braking(x.v_x * x.omega_z)
+    }
+
+    /// Curvature that takes a share of the grip at a speed \[1/m\].
+    #[must_use]
+    pub fn bend_curvature(&self, share: f64, v: f64) -> f64 {
+        share * self.grip / (v * v).max(1e-9)
+    }
+
+    /// Speed at which a bend takes the share of the grip that bends may take \[m/s\].
+    #[must_use]
+    pub fn turning_speed(&self, kappa: f64) -> f64 {
+        (BEND_SHARE * self.grip / kappa.max(1e-9)).sqrt()
     }
 
     /// Speed from which comfortable braking reaches what each bend ahead allows.
@@ -64,8 +93,20 @@ impl Tracker {
             let grip = BEND_SHARE * self.grip * track.friction(x.s + ahead);
             let limit = track.speed_limit(x.s + ahead);
             slowest = slowest.min(grip / kappa + room).min(limit * limit + room);
+            let turned = (track.kappa(x.s + ahead + step) - track.kappa(x.s + ahead)).abs();
+            let steered = self.steering_speed(turned, step, x, track);
+            slowest = slowest.min(steered * steered + room);
         }
         slowest.sqrt()
+    }
+
+    /// Speed at which the wheels follow a change of curvature within `length`: while they turn at
+    /// their rate, an abrupt change leads the car `turned v^2 T^2 / 6` astray, T the time it takes
+    /// them \[m/s\].
+    fn steering_speed(&self, turned: f64, length: f64, x: &State, track: &Track) -> f64 {
+        let Some(rate) = self.steering_rate.filter(|_| turned > 1e-9) else { return f64::INFINITY };
+        let astray = STEER_ASTRAY * (track.width_left(x.s) + track.width_right(x.s));
+        rate / (self.wheelbase * turned) * length.max((6.0 * astray / turned).sqrt())
     }
 
     /// Brakes along the centre line, as hard as cornering leaves grip for.
@@ -87,8 +128,11 @@ impl Tracker {
 
     /// Friction circle: what the lateral acceleration leaves of the grip.
     fn hardest_brake(&self, x: &State, track: &Track) -> f64 {
-        let lateral = x.v_x * x.v_x * track.kappa(x.s);
+        -self.left_for_braking(x.v_x * x.v_x * track.kappa(x.s))
+    }
+
+    fn left_for_braking(&self, lateral: f64) -> f64 {
         let left = (self.grip * self.grip - lateral * lateral).max(0.0).sqrt();
-        -(BRAKE_SHARE * left).max(0.1 * self.grip)
+        (BRAKE_SHARE * left).max(0.1 * self.grip)
     }
 }

@@ -58,6 +58,7 @@ impl Config {
         check.range("warm_up.noise_a_mps2", self.warm_up.noise_a, 0.0, 10.0);
         check.range("warm_up.noise_delta_rad", self.warm_up.noise_delta, 0.0, 0.5);
         check.count("delay.steps", self.delay.steps, 0, 20);
+        self.filter.check(&mut check);
         check.range("solver.tolerance", self.solver.tolerance, 1e-12, 1e-2);
         check.count("solver.max_iterations", self.solver.max_iterations as usize, 5, 1000);
         check.problems
@@ -66,7 +67,7 @@ impl Config {
 
 /// Collects the problems of a configuration.
 #[derive(Default)]
-struct Check {
+pub(super) struct Check {
     problems: Vec<Problem>,
 }
 
@@ -75,7 +76,7 @@ impl Check {
         self.problems.push(Problem { key: key.to_owned(), message });
     }
 
-    fn range(&mut self, key: &str, found: f64, least: f64, most: f64) {
+    pub(super) fn range(&mut self, key: &str, found: f64, least: f64, most: f64) {
         if !(least..=most).contains(&found) {
             self.add(key, format!("{found} is out of range; allowed is {least} to {most}"));
         }

@@ -55,6 +55,8 @@ pub(crate) struct Current {
     pub(crate) from_line: bool,
     /// Nothing has made it unfit for the safe set so far.
     pub(crate) clean: bool,
+    /// An incident happened in it: nothing is learned from it.
+    pub(crate) spoiled: bool,
 }
 
 /// All laps, closed and in progress, as one continuous trajectory.
@@ -109,6 +111,9 @@ impl Dataset {
         let Current { start_time, follows, from_line, clean, .. } = self.current;
         let lap_time = end_time - start_time;
         let result = LapResult { lap: number, kind, lap_time, valid: clean && from_line };
+        if self.current.spoiled {
+            self.spoil();
+        }
         // A lap is kept for good: without the room it did not need, which the next one fills again.
         let samples = self.current.samples.clone();
         self.laps.push(Arc::new(Lap { result, samples, start_time, end_time, follows }));
@@ -117,7 +122,18 @@ impl Dataset {
         self.current.follows = true;
         self.current.from_line = true;
         self.current.clean = true;
+        self.current.spoiled = false;
         from_line.then_some(result)
+    }
+
+    /// The lap in progress holds an incident: it is no lap of the safe set, and none of its
+    /// transitions is learned from.
+    pub(crate) fn spoil(&mut self) {
+        self.current.clean = false;
+        self.current.spoiled = true;
+        for sample in &mut self.current.samples {
+            sample.next = None;
+        }
     }
 
     /// Drops the lap in progress after an interruption; what it holds stays in the data.

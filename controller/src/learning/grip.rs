@@ -15,6 +15,9 @@ pub(crate) const SAMPLES: usize = 1500;
 const SCALES: [f64; 3] = [0.05, 0.05, 0.3];
 /// Weight of the pull towards factor 1.
 const PULL: f64 = 0.1;
+/// The same where residuals are noise: slow laps say little of the grip, and noise would be taken
+/// for it.
+const NOISY_PULL: f64 = 10.0;
 /// Gauss-Newton steps at most.
 const STEPS: usize = 4;
 /// A step smaller than this ends the iteration.
@@ -24,23 +27,31 @@ const SAME: f64 = 1e-3;
 /// Fitted factors outside this range are rejected: no road has such grip.
 const RANGE: (f64, f64) = (0.2, 3.0);
 
-/// The grip factors [front, rear] of `model` that fit the samples best, starting from its own.
+/// The grip factors [front, rear] of `model` that fit the samples best, starting from its own;
+/// `noise` are the variances of the velocities as measured.
 pub(crate) fn fit<'a>(
     model: &Discretized,
     track: &Track,
     samples: impl Iterator<Item = &'a Sample>,
+    noise: [f64; 3],
 ) -> [f64; 2] {
     let mut model = model.clone();
+    let scales = [0, 1, 2].map(|row| {
+        let exact = SCALES[row];
+        if noise[row] > 0.0 { (exact * exact + noise[row]).sqrt() } else { exact }
+    });
+    let share = [0, 1, 2].map(|row| noise[row] / (scales[row] * scales[row]));
+    let pull = PULL + NOISY_PULL * share.into_iter().fold(0.0, f64::max);
     let measured = samples.filter_map(|sample| Some(((sample.x, sample.u), sample.next?)));
     let (points, measured): (Vec<_>, Vec<_>) = measured.unzip();
     for _ in 0..STEPS {
         let grip = Vector2::from(model.model.grip);
-        let mut hessian = Matrix2::identity() * PULL;
-        let mut gradient = (Vector2::repeat(1.0) - grip) * PULL;
+        let mut hessian = Matrix2::identity() * pull;
+        let mut gradient = (Vector2::repeat(1.0) - grip) * pull;
         model.grip_jacobians(&points, track.road(), |i, next, jacobian| {
             for row in 0..3 {
-                let r = (measured[i][row] - next[row]) / SCALES[row];
-                let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / SCALES[row];
+                let r = (measured[i][row] - next[row]) / scales[row];
+                let j = Vector2::new(jacobian[(row, 0)], jacobian[(row, 1)]) / scales[row];
                 if !r.is_finite() || !j.iter().all(|v| v.is_finite()) {
                     continue;
                 }

@@ -93,6 +93,30 @@ impl SafeSet {
         }
     }
 
+    /// Slows the points down to a speed, on the same path: yaw rate in proportion, slip with the
+    /// square of the speed, the course as it was; time passes in inverse proportion. `l_r` is the
+    /// distance of the rear axle from the centre of gravity \[m\].
+    pub(crate) fn slow_down(&mut self, speed: f64, l_r: f64) {
+        for (i, x) in self.points.iter_mut().enumerate() {
+            let (v_x, v_y, omega_z) = (x[0], x[1], x[2]);
+            let r = speed / v_x;
+            if r.is_nan() || r <= 0.0 || r >= 1.0 {
+                continue;
+            }
+            let slip = (l_r * omega_z - v_y) / v_x;
+            x[0] = speed;
+            x[2] = r * omega_z;
+            x[1] = l_r * x[2] - r * r * slip * speed;
+            x[3] += v_y / v_x - x[1] / speed;
+            self.successor_s[i] = x[4] + r * (self.successor_s[i] - x[4]);
+            self.cost_to_go[i] /= r;
+        }
+        let least = self.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
+        for cost in &mut self.cost_to_go {
+            *cost -= least;
+        }
+    }
+
     /// Moves the frame by one lap as the car crosses the line.
     pub(crate) fn cross_line(&mut self, length: f64) {
         for point in &mut self.points {

@@ -154,6 +154,8 @@ fn trouble(action: Action, reason: Reason) -> Option<&'static str> {
         Reason::Jump => "the state jumped farther than the car can drive",
         Reason::OffTrack => "the car is beyond a track edge by more than a quarter of the width",
         Reason::WrongWay => "the car points the wrong way",
+        Reason::Spin => "the car slides across its own heading",
+        Reason::Askew => "the car points across the track",
     };
     // The initial laps need no optimum.
     (action != Action::WarmUp || reason == Reason::Jump).then_some(why)

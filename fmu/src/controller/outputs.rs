@@ -25,6 +25,7 @@ fn action(action: Action) -> f64 {
         Action::ShiftedPlan => 2.0,
         Action::Tracking => 3.0,
         Action::Braking => 4.0,
+        Action::Recovering => 5.0,
     }
 }
 
@@ -41,6 +42,8 @@ fn reason(reason: Reason) -> f64 {
         Reason::WrongWay => 7.0,
         Reason::Standstill => 8.0,
         Reason::NoSafeSet => 9.0,
+        Reason::Spin => 10.0,
+        Reason::Askew => 11.0,
     }
 }
 

@@ -61,8 +61,8 @@ const NONE: f64 = f64::INFINITY;
 
 /// What bounds the outputs that have bounds whatever car and track are.
 const BOUNDS: [(&str, f64, f64); 16] = [
-    ("status.action", 0.0, 4.0),
-    ("status.reason", 0.0, 9.0),
+    ("status.action", 0.0, 5.0),
+    ("status.reason", 0.0, 11.0),
     ("status.solve", 0.0, 5.0),
     ("status.iterations", 0.0, NONE),
     ("status.solve_ms", 0.0, NONE),
@@ -145,12 +145,12 @@ impl Slots {
             held(
                 "status.action",
                 one,
-                "0 initial lap, 1 learned, 2 shifted plan, 3 tracking, 4 braking",
+                "0 initial lap, 1 learned, 2 shifted plan, 3 tracking, 4 braking, 5 recovering",
             ),
             held(
                 "status.reason",
                 one,
-                "0 none, 1 solver failed, 2 not finite, 3 time stands, 4 time gap, 5 jump, 6 off track, 7 wrong way, 8 standstill, 9 no safe set",
+                "0 none, 1 solver failed, 2 not finite, 3 time stands, 4 time gap, 5 jump, 6 off track, 7 wrong way, 8 standstill, 9 no safe set, 10 spin, 11 askew",
             ),
             held(
                 "status.solve",

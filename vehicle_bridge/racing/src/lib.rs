@@ -22,7 +22,7 @@ pub use hosting::rule::{FailureRule, TrackLimit};
 pub use plant::change_plant;
 
 use hosting::timing::{StepTime, Stopwatch};
-use record::{Failure, LapRow, ModelError, StepRow};
+use record::{Failure, FailureReason, LapRow, ModelError, StepRow};
 use vehicle_host::{Vehicle, VehicleError};
 
 /// Where the learned model is compared with the plant's own linearisation.
@@ -69,6 +69,8 @@ pub struct RaceOptions {
     pub model_error: ModelErrorAt,
     /// What has to stay inside the track.
     pub limit: TrackLimit,
+    /// Whether the race goes on after a failure from which the car can drive back.
+    pub recover: bool,
 }
 
 impl RaceOptions {
@@ -84,6 +86,7 @@ impl RaceOptions {
             seed: 0,
             model_error: ModelErrorAt::Now,
             limit: TrackLimit::default(),
+            recover: false,
         }
     }
 }
@@ -110,6 +113,10 @@ pub struct Race {
     pub steps: Vec<StepRow>,
     /// Times of the control steps.
     pub times: Vec<StepTime>,
+    /// Failures from which the car drove back, or is driving back.
+    pub incidents: Vec<Failure>,
+    /// The last of them is not over.
+    broken: bool,
     /// Why the race ended early, if it did.
     pub failure: Option<Failure>,
 }
@@ -153,6 +160,8 @@ impl Race {
             laps: Vec::new(),
             steps: Vec::new(),
             times: Vec::new(),
+            incidents: Vec::new(),
+            broken: false,
             failure: None,
             options,
         })
@@ -282,12 +291,26 @@ impl Race {
     fn judge(&mut self) {
         let x = self.vehicle.truth();
         let broken = self.rule.broken(&self.options.track, &x, self.time - self.lap_start);
-        self.failure = broken.map(|reason| Failure {
+        let failure = broken.map(|reason| Failure {
             reason,
             iteration: if self.learning { self.learned_laps + 1 } else { 0 },
             time: self.time,
             x,
             beyond: self.rule.beyond(&self.options.track, &x),
         });
+        let recoverable = |failure: &Failure| {
+            !matches!(failure.reason, FailureReason::NoLap | FailureReason::NotFinite)
+        };
+        let Some(failure) = failure.filter(|f| !self.options.recover || !recoverable(f)) else {
+            let recovering =
+                self.steps.last().is_some_and(|row| row.status.action == Action::Recovering);
+            // One incident lasts until the car drives again.
+            if let Some(failure) = failure.filter(|_| !self.broken) {
+                self.incidents.push(failure);
+            }
+            self.broken = failure.is_some() || (self.broken && recovering);
+            return;
+        };
+        self.failure = Some(failure);
     }
 }

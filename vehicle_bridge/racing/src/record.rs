@@ -142,7 +142,7 @@ impl LapRow {
 /// Whether the step fell back from learning.
 #[must_use]
 pub fn is_fallback(status: &Status) -> bool {
-    matches!(status.action, Action::ShiftedPlan | Action::Tracking | Action::Braking)
+    !matches!(status.action, Action::WarmUp | Action::Learned)
 }
 
 /// Where and why a run failed.

@@ -13,6 +13,7 @@ pub fn action_word(action: Action) -> &'static str {
         Action::ShiftedPlan => "shifted_plan",
         Action::Tracking => "tracking",
         Action::Braking => "braking",
+        Action::Recovering => "recovering",
     }
 }
 
@@ -30,6 +31,8 @@ pub fn reason_word(reason: Reason) -> &'static str {
         Reason::WrongWay => "wrong_way",
         Reason::Standstill => "standstill",
         Reason::NoSafeSet => "no_safe_set",
+        Reason::Spin => "spin",
+        Reason::Askew => "askew",
     }
 }
 

@@ -86,6 +86,9 @@ pub struct ServeArgs {
     /// Do not drive before the operator's START
     #[arg(long)]
     pub wait_for_start: bool,
+    /// Drive back to the line after a spin, an excursion or a standstill
+    #[arg(long)]
+    pub recover: bool,
     /// FIFO priority and locked memory, where the system grants them
     #[arg(long)]
     pub realtime: bool,

@@ -75,6 +75,9 @@ pub struct RaceArgs {
     /// Folder of kept time-optimal laps; by default that of the track's file, or out/optimum
     #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
+    /// What a car that leaves the track, spins or stands does to the race
+    #[arg(long, value_enum, default_value = "stop", value_name = "WHAT")]
+    pub on_failure: OnFailure,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,
@@ -121,6 +124,15 @@ pub struct ControllerArgs {
     /// Set any key of the configuration; may be repeated
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// What a failure does to a race.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OnFailure {
+    /// It ends the race.
+    Stop,
+    /// The car drives back to the line and races on.
+    Recover,
 }
 
 /// Names of the presets.

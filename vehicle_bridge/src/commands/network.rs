@@ -48,6 +48,8 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0, talk)?;
     let mut config = options.config;
     config.warm_up.seed = args.seed;
+    // On a real car only with the operator's leave.
+    config.recovery.active = args.recover;
     let period = config.horizon.period;
     let mut controller = Controller::new(config, options.nominal, options.track)?;
     let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));

@@ -8,12 +8,12 @@ use serde_json::json;
 
 use super::race_table::{LapTable, head};
 use super::{Outcome, optimum, seeds, setup, vehicle};
-use crate::cli::RaceArgs;
+use crate::cli::{OnFailure, RaceArgs};
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 use hosting::learned;
 use optimum_store::{Known, Store};
 use racing::raceline::{self, Raceline};
-use racing::record::{StepRow, is_fallback};
+use racing::record::{Failure, StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
 use racing::{Race, RaceOptions, files};
 use report::{Report, best_lap};
@@ -24,6 +24,10 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
     let raceline = given_line(args)?;
+    options.recover = args.on_failure == OnFailure::Recover;
+    if options.recover {
+        options.config.recovery.active = true;
+    }
     if let Some(count) = args.seeds {
         return seeds::run(args, &options, count, known, talk);
     }
@@ -180,6 +184,9 @@ fn account(race: &Race, known: Option<&Known>) -> Vec<String> {
             lines.push(measured(best.result.lap_time, known));
         }
     }
+    for incident in &race.incidents {
+        lines.push(paint(WARN, &format!("recovered: {incident}")));
+    }
     if let Some(failure) = &race.failure {
         lines.push(paint(BAD, &format!("failed: {failure}")));
     }
@@ -233,7 +240,7 @@ fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value 
             })
         })
         .collect();
-    let failure = race.failure.as_ref().map(|f| {
+    let failed = |f: &Failure| {
         json!({
             "reason": f.reason.as_str(),
             "iteration": f.iteration,
@@ -245,12 +252,13 @@ fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value 
             "beyond_m": f.beyond,
             "message": f.to_string(),
         })
-    });
+    };
     json!({
         "laps": laps,
         "best_lap_s": best_lap(&race.laps).map(|lap| lap.result.lap_time),
         "optimum_s": known.map(|known| known.lap_time_s),
-        "failure": failure,
+        "failure": race.failure.as_ref().map(failed),
+        "incidents": race.incidents.iter().map(failed).collect::<Vec<_>>(),
         "fallbacks": fallbacks(&race.steps),
         "grip": race.controller().grip(),
         "out": out.display().to_string(),

@@ -27,6 +27,7 @@ struct Seed {
     best: Option<f64>,
     failure: Option<String>,
     fallbacks: usize,
+    incidents: usize,
     outcome: Outcome,
 }
 
@@ -92,6 +93,7 @@ fn sum_up(seed: u64, race: &Race) -> Seed {
         last: learned.last().copied(),
         best: best_lap(&race.laps).map(|lap| lap.result.lap_time),
         failure: race.failure.as_ref().map(ToString::to_string),
+        incidents: race.incidents.len(),
         fallbacks: race.steps.iter().filter(|row| is_fallback(&row.status)).count(),
         outcome: outcome(race),
     }
@@ -109,6 +111,7 @@ fn table(seeds: &[Seed]) -> Table {
         "last",
         "best",
         "fell back",
+        "recovered",
         "failure",
     ]);
     let time = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{t:.3}"));
@@ -118,6 +121,7 @@ fn table(seeds: &[Seed]) -> Table {
         let mut row = vec![right(s.seed.to_string()), right(s.learned.to_string())];
         row.extend(times.map(right));
         row.push(right(s.fallbacks.to_string()));
+        row.push(right(s.incidents.to_string()));
         row.push(Cell::new(s.failure.clone().unwrap_or_default()));
         table.add_row(row);
     }
@@ -149,6 +153,7 @@ fn as_json(seeds: &[Seed], known: Option<&Known>) -> serde_json::Value {
                 "best_lap_s": s.best,
                 "failure": s.failure,
                 "fallbacks": s.fallbacks,
+                "incidents": s.incidents,
             })
         })
         .collect();

@@ -1,0 +1,197 @@
+//! State estimation: an extended Kalman filter between the sensors and the controller.
+//!
+//! Prediction with the model the controller plans with, nominal plus learned error, linearised at
+//! the estimate; measurement of the whole state, or of the pose alone:
+//!
+//! ```text
+//! x^- = f(x, u)          P^- = A P A' + Q
+//! K   = P^- H' (H P^- H' + R)^-1
+//! x   = x^- + K (z - H x^-)          P = (I - K H) P^- (I - K H)' + K R K'      (Joseph form)
+//! ```
+//!
+//! R and Q are estimated while driving ([`noise`]). Measurements without noise pass as they are.
+//! A closed lap is smoothed before anything is learned from it ([`smooth`]).
+
+mod noise;
+mod smooth;
+
+use nalgebra::{Matrix6, Vector6};
+use serde::{Deserialize, Serialize};
+use vehicle_model::track::wrap_angle;
+use vehicle_model::{CarParams, GRAVITY, State, Track};
+
+use crate::config::FilterConfig;
+use noise::{Noise, Variances};
+pub(crate) use smooth::{Step, smooth};
+
+/// Variance of a velocity nobody measured, in squared speeds sqrt(mu g l) of the car.
+const UNKNOWN: f64 = 4.0;
+/// Target noise at which the ridge weight is 1, as a share of the speed sqrt(mu g l).
+const RIDGE_NOISE: f64 = 0.036;
+
+/// What the filter knows of the car and its sensors.
+#[derive(Debug, Clone)]
+pub(crate) struct Filter {
+    config: FilterConfig,
+    /// Wheelbase l \[m\].
+    length: f64,
+    /// Speed V = sqrt(mu g l) \[m/s\].
+    speed: f64,
+    /// Sampling period \[s\].
+    dt: f64,
+}
+
+/// The state one period later, and how it depends on the state now.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Prediction {
+    /// A.
+    pub(crate) a: Matrix6<f64>,
+    /// x^-.
+    pub(crate) next: Vector6<f64>,
+}
+
+/// What the filter carries from one measurement to the next.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Estimate {
+    /// Covariance of the last estimate; none while measurements pass as they are.
+    p: Option<[[f64; 6]; 6]>,
+    /// The last measurement.
+    raw: State,
+    noise: Noise,
+    /// The lap in progress, to be smoothed: one step for each sample, or none.
+    pub(crate) steps: Vec<Step>,
+}
+
+impl Filter {
+    pub(crate) fn new(config: &FilterConfig, car: &CarParams, dt: f64) -> Self {
+        let (mu, length) = (car.tyre_front.mu.min(car.tyre_rear.mu), car.wheelbase());
+        let speed = (mu * GRAVITY * length).sqrt();
+        Self { config: config.clone(), length, speed, dt }
+    }
+
+    /// Whether velocities are not measured.
+    pub(crate) fn blind(&self) -> bool {
+        !self.config.velocities
+    }
+
+    /// First measured row: 0, or 3 if velocities are not measured.
+    fn first(&self) -> usize {
+        if self.config.velocities { 0 } else { 3 }
+    }
+
+    /// R and Q, if there is noise.
+    fn variances(&self, estimate: &Estimate) -> Option<Variances> {
+        estimate.noise.variances(self)
+    }
+
+    /// Variances of the velocities as measured: none for exact ones.
+    pub(crate) fn velocity_noise(&self, estimate: &Estimate) -> [f64; 3] {
+        let Some(Variances { noise, .. }) = self.variances(estimate) else { return [0.0; 3] };
+        if self.blind() {
+            // They come from differences of poses.
+            let twice = 2.0 / (self.dt * self.dt);
+            return [twice * noise[4], twice * noise[5], twice * noise[3]];
+        }
+        [noise[0], noise[1], noise[2]]
+    }
+
+    /// Ridge weight that the noise of the measured velocities asks for.
+    pub(crate) fn ridge(&self, estimate: &Estimate) -> f64 {
+        let [v_x, v_y, omega_z] = self.velocity_noise(estimate);
+        let most = v_x.max(v_y).max(omega_z * self.length * self.length);
+        most / (RIDGE_NOISE * self.speed).powi(2)
+    }
+
+    /// The estimate of a measurement connected with nothing before.
+    pub(crate) fn begin(&self, estimate: &mut Estimate, measured: &State) -> State {
+        estimate.noise.interrupt();
+        estimate.raw = *measured;
+        estimate.p = None;
+        let Some(Variances { noise, .. }) = self.variances(estimate) else { return *measured };
+        let mut p = Matrix6::from_diagonal(&noise);
+        let mut x = measured.to_vector();
+        let still = UNKNOWN * self.speed * self.speed;
+        for row in 0..self.first() {
+            x[row] = 0.0;
+            p[(row, row)] = if row == 2 { still / (self.length * self.length) } else { still };
+        }
+        estimate.p = Some(p.into());
+        State::from_vector(&x)
+    }
+
+    /// The estimate from what was predicted at `last` and what is measured.
+    pub(crate) fn update(
+        &self,
+        estimate: &mut Estimate,
+        last: &State,
+        prediction: &Prediction,
+        measured: &State,
+        track: &Track,
+    ) -> State {
+        // As if the last measurement had been the state: its residual tells noise from model error.
+        let mut offset = difference(&estimate.raw, &last.to_vector(), track);
+        for row in 0..self.first() {
+            offset[row] = 0.0;
+        }
+        let residual = difference(measured, &prediction.next, track) - prediction.a * offset;
+        estimate.noise.add(&residual, &prediction.a, self.length);
+        estimate.raw = *measured;
+        let Some(Variances { noise, process }) = self.variances(estimate) else {
+            estimate.p = None;
+            return *measured;
+        };
+        let Some(before) = estimate.p.map(Matrix6::from) else {
+            let raw = estimate.noise.clone();
+            let state = self.begin(estimate, measured);
+            estimate.noise = raw;
+            return state;
+        };
+        let p = prediction.a * before * prediction.a.transpose() + Matrix6::from_diagonal(&process);
+        let mut innovation = difference(measured, &prediction.next, track);
+        let mut h = Matrix6::identity();
+        for row in 0..self.first() {
+            innovation[row] = 0.0;
+            h[(row, row)] = 0.0;
+        }
+        let mut s = h * p * h;
+        for row in 0..6 {
+            s[(row, row)] += if row < self.first() { 1.0 } else { noise[row] };
+        }
+        let Some(factor) = s.cholesky() else { return self.begin(estimate, measured) };
+        let gain = factor.solve(&(h * p)).transpose();
+        let x = prediction.next + gain * innovation;
+        let rest = Matrix6::identity() - gain * h;
+        let after =
+            rest * p * rest.transpose() + gain * Matrix6::from_diagonal(&noise) * gain.transpose();
+        let mut state = State::from_vector(&x);
+        if !state.is_finite() || !after.iter().all(|v| v.is_finite()) {
+            return self.begin(estimate, measured);
+        }
+        state.s = track.wrap(state.s);
+        state.e_psi = wrap_angle(state.e_psi);
+        let after = 0.5 * (after + after.transpose());
+        estimate.p = Some(after.into());
+        estimate.steps.push(Step::new(prediction, &p, &state, &after));
+        state
+    }
+}
+
+impl Estimate {
+    /// Whether measurements are filtered at present.
+    pub(crate) fn filters(&self) -> bool {
+        self.p.is_some()
+    }
+
+    /// Covariance of the last estimate; none where the measurement passed as it was.
+    pub(crate) fn covariance(&self) -> Option<Matrix6<f64>> {
+        self.p.map(Matrix6::from)
+    }
+}
+
+/// One state minus another, over the line and the half turn.
+fn difference(to: &State, from: &Vector6<f64>, track: &Track) -> Vector6<f64> {
+    let mut d = to.to_vector() - from;
+    d[3] = wrap_angle(d[3]);
+    d[4] -= track.length() * (d[4] / track.length()).round();
+    d
+}
