@@ -27,7 +27,7 @@ typedef struct { double a, delta; } lmpc_input;
 
 typedef struct {
     lmpc_input input;
-    int32_t action;        /* 0 initial lap, 1 learned, 2 shifted plan, 3 tracking, 4 braking */
+    int32_t action;        /* 0 initial lap, 1 learned, 2 shifted plan, 3 tracking, 4 braking, 5 recovering */
     int32_t iterations;    /* of the solver */
     int32_t lap;           /* in progress, from 1; 0 before the line is first crossed */
     int32_t lap_finished;  /* 1 if this step finished a lap: then the next two hold */

@@ -77,6 +77,7 @@ impl From<&Command> for CCommand {
                 Action::ShiftedPlan => 2,
                 Action::Tracking => 3,
                 Action::Braking => 4,
+                Action::Recovering => 5,
             },
             iterations: i32::try_from(status.iterations).unwrap_or(i32::MAX),
             lap: i32::try_from(status.lap).unwrap_or(i32::MAX),
