@@ -6,13 +6,19 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Arc;
+use std::time::Duration;
 
+use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::eventlog::Writer;
-use lcm_types::{ActuationReport, Checked as _, Header, VehicleState, channels};
+use lcm_types::{ActuationCommand, ActuationReport, Checked as _, Header, VehicleState, channels};
+use protocol::outlet::{Identity, Outlet};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};
+use transport::{Filter, Inbox};
 use vehicle_model::plant::SensorNoise;
 use vehicle_model::{CarParams, GlobalState, Input, Plant, PlantParams, State, Track};
+
+mod common;
 
 const PERIOD: f64 = 0.1;
 
@@ -199,6 +205,73 @@ fn the_first_learned_lap_is_faster_than_the_drivers_best() {
         assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));
         assert!(times[2] < times[0], "{times:?}");
     }
+}
+
+/// The driver as a program of its own on a network, beside a simulated car; the official logger
+/// records both.
+#[test]
+fn twenty_laps_over_lcm_recorded_by_the_official_logger() {
+    let name = "twenty_laps_over_lcm_recorded_by_the_official_logger";
+    isolated(name, MULTICAST, URL, || {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("drive.log");
+        let mut logger = Command::new("lcm-logger").arg(&log).spawn().expect("lcm-logger");
+        let network = transport::open(URL, None).unwrap();
+        let inbox = Inbox::queue(1000);
+        network.subscribe(Filter::channel(channels::STATE), inbox.sink()).unwrap();
+        std::thread::sleep(Duration::from_millis(500));
+        let plant = ["--plant", "noise=0.001", "--start-speed", "1", "--laps", "21", "--url", URL];
+        let car = Program::start(&[&["vehicle", "sim", "--lock-step"][..], &plant].concat());
+        let identity = Identity::new("driver");
+        let mut commands = Outlet::new(&network, &identity, channels::COMMAND);
+        let (track, car_file) = (Track::builtin("l").unwrap(), CarParams::builtin("barc").unwrap());
+        let mut driver = Driver::new(2.6);
+        let mut answered = None;
+        while let Some(received) = inbox.wait(Duration::from_secs(3)) {
+            let state = VehicleState::open(&received.payload).unwrap();
+            if answered.replace(state.meas_mono_ns) == Some(state.meas_mono_ns) {
+                continue;
+            }
+            let pose = GlobalState {
+                x: state.x,
+                y: state.y,
+                psi: state.yaw,
+                v_x: state.vx,
+                v_y: state.vy,
+                omega_z: state.yaw_rate,
+            };
+            let u = driver.drive(&track.to_frenet(&pose, None), &track, &car_file);
+            let limit = car_file.delta_max;
+            let command = ActuationCommand {
+                h: commands.header(),
+                state_boot_id: state.h.boot_id,
+                state_seq: state.h.seq,
+                state_mono_ns: state.meas_mono_ns,
+                valid_for_us: 1_000_000,
+                enable: true,
+                mode: ActuationCommand::MODE_DRIVE,
+                accel: u.a,
+                steer: u.delta.clamp(-limit, limit),
+                ..ActuationCommand::default()
+            };
+            commands.send_sealed(&command).unwrap();
+        }
+        drop(car);
+        // Interrupted, it writes what it has.
+        let pid = logger.id().to_string();
+        Command::new("kill").args(["-INT", &pid]).status().unwrap();
+        logger.wait().unwrap();
+        let (account, times) = learn_and_race(folder.path(), &log, &[]);
+        println!("{account}then {times:?}");
+        assert!(account.contains("20 of 20 laps taken"), "{account}");
+        let driven: Vec<f64> = account
+            .lines()
+            .filter(|line| line.starts_with("lap "))
+            .map(|line| line.split_whitespace().nth(2).unwrap().parse().unwrap())
+            .collect();
+        let best = driven.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(times[0] < best, "{times:?} after {best}");
+    });
 }
 
 #[test]

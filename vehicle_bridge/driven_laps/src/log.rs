@@ -19,14 +19,17 @@ pub(super) fn is_log(path: &Path) -> std::io::Result<bool> {
     Ok(file.read_exact(&mut first).is_ok() && first == SYNC.to_be_bytes())
 }
 
-/// Reads a log. Times are those of the measurements; what others say is brought to that clock by
-/// the median difference between when a state was measured and when it was logged.
+/// Two clocks that differ by more than this share do not run alike: the drive was a simulation that
+/// waited for its driver.
+const SAME_PACE: f64 = 0.02;
+
+/// Reads a log. Times are those of the measurements.
 pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
     let mut events = Reader::new(BufReader::new(file));
     let mut recording = Recording::default();
-    let (mut offsets, mut reports, mut commands) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut clock, mut reports, mut commands) = (Clock::default(), Vec::new(), Vec::new());
     let mut seen: BTreeMap<String, u64> = BTreeMap::new();
     while let Some(event) = events.next_event().with_context(|| format!("cannot read {shown}"))? {
         let logged = event.utime as f64 * 1e-6;
@@ -35,7 +38,7 @@ pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
             name if name == channel => VehicleState::open(&event.data).is_ok_and(|state| {
                 let time =
                     if state.meas_mono_ns == 0 { logged } else { state.meas_mono_ns as f64 * 1e-9 };
-                offsets.push(time - logged);
+                clock.pairs.push((logged, time));
                 let recorded = recorded(&state, time);
                 recording.states.extend(recorded);
                 recorded.is_some()
@@ -63,12 +66,61 @@ pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
             if names.is_empty() { "no messages".to_owned() } else { names.join(", ") }
         );
     }
-    offsets.sort_by(f64::total_cmp);
-    let offset = offsets[offsets.len() / 2];
     recording.applied = !reports.is_empty();
-    let inputs = if recording.applied { until_then(reports) } else { commands };
-    recording.inputs = inputs.into_iter().map(|(time, u)| (time + offset, u)).collect();
+    clock.settle();
+    let measured = |inputs: Vec<(f64, Input)>, side| {
+        inputs.into_iter().map(|(logged, u)| (clock.measured(logged, side), u)).collect()
+    };
+    recording.inputs = if recording.applied {
+        until_then(measured(reports, Side::Behind))
+    } else {
+        measured(commands, Side::Before)
+    };
     Ok(recording)
+}
+
+/// When states were logged and when they were measured, in the order of the log \[s\].
+#[derive(Debug, Default)]
+struct Clock {
+    pairs: Vec<(f64, f64)>,
+    /// Median difference, where the clocks run alike \[s\].
+    offset: Option<f64>,
+}
+
+/// Which state a message belongs to where the clocks do not run alike.
+#[derive(Debug, Clone, Copy)]
+enum Side {
+    /// The state before it, which a command answers.
+    Before,
+    /// The state behind it, up to which a report tells what acted.
+    Behind,
+}
+
+impl Clock {
+    /// Takes the median difference of the two clocks, if they run alike.
+    fn settle(&mut self) {
+        let (Some(first), Some(last)) = (self.pairs.first(), self.pairs.last()) else { return };
+        let pace = (last.1 - first.1) / (last.0 - first.0).max(1e-9);
+        if (pace - 1.0).abs() < SAME_PACE {
+            let mut offsets: Vec<f64> = self.pairs.iter().map(|(l, m)| m - l).collect();
+            let middle = offsets.len() / 2;
+            self.offset = Some(*offsets.select_nth_unstable_by(middle, f64::total_cmp).1);
+        }
+    }
+
+    /// Time on the clock of the measurements of what was logged at `logged`: by the median
+    /// difference, as messages come late by turns, or by the states around it.
+    fn measured(&self, logged: f64, side: Side) -> f64 {
+        if let Some(offset) = self.offset {
+            return logged + offset;
+        }
+        let next = self.pairs.partition_point(|pair| pair.0 <= logged);
+        let at = match side {
+            Side::Before => next.saturating_sub(1),
+            Side::Behind => next.min(self.pairs.len() - 1),
+        };
+        self.pairs[at].1
+    }
 }
 
 /// A report tells what acted since the one before it.

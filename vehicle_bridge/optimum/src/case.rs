@@ -48,13 +48,17 @@ impl<'a> Case<'a> {
         Self { car, track, options, stops: [a, [-car.delta_max, car.delta_max]] }
     }
 
-    /// Length of the intervals of the first mesh: the way made while the tyres build up force.
-    pub(crate) fn first_length(&self) -> f64 {
+    /// The first mesh: as long intervals as the way made while the tyres build up force, at the mean
+    /// speed or the limit there.
+    pub(crate) fn first_mesh(&self) -> Vec<Interval> {
         let tyre = &self.car.tyre_rear;
         let stiffness = tyre.b * tyre.c * tyre.mu * GRAVITY;
-        let probe = mesh::uniform(self.track, self.track.length() / 200.0);
+        let probe = mesh::uniform(self.track, |_| self.track.length() / 200.0);
         let v = self.mean_speed(&probe);
-        RELAXATION_SHARE * v * v / stiffness
+        mesh::uniform(self.track, |limit| {
+            let v = v.min(limit);
+            RELAXATION_SHARE * v * v / stiffness
+        })
     }
 
     fn mean_speed(&self, intervals: &[Interval]) -> f64 {

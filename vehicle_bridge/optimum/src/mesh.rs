@@ -14,9 +14,8 @@ const CHECKS: u32 = 8;
 /// Least number of intervals.
 const LEAST: f64 = 60.0;
 
-/// Intervals of about this length whose ends include every jump of the curvature and every station.
-pub(crate) fn uniform(track: &Track, length: f64) -> Vec<Interval> {
-    let length = length.min(track.length() / LEAST);
+/// Intervals of about the length that belongs to the speed limit there, whose ends include every jump of the curvature and every station.
+pub(crate) fn uniform(track: &Track, length: impl Fn(f64) -> f64) -> Vec<Interval> {
     let mut ends = track.curvature_jumps();
     // Bank and slope have kinks at the places that state them, speed limits steps.
     ends.extend(track.stations().iter().map(|station| station.s));
@@ -27,6 +26,8 @@ pub(crate) fn uniform(track: &Track, length: f64) -> Vec<Interval> {
     let mut places = Vec::new();
     let mut begin = 0.0;
     for end in ends {
+        let limit = track.speed_limit(0.5 * (begin + end));
+        let length = length(limit).min(track.length() / LEAST);
         let pieces = ((end - begin) / length).ceil().max(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = pieces as u32;

@@ -8,6 +8,10 @@ use crate::interval::{Block, Curvature, Derivatives, NZ, Node, Values};
 /// Index of the first input among the variables of a node.
 const INPUTS: usize = 5;
 
+/// Gain of the governor's limit: half of the car's own, which then does not act inside an interval,
+/// where the speed is above the nodes' mean \[1/s\].
+const GOVERNOR: f64 = 0.5 * GOVERNOR_GAIN;
+
 /// A limit that holds in every interval, at its beginning (`end` 0) or its end (1). The inputs are
 /// positions of the actuators, linear in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +22,7 @@ enum Rule {
     /// Driving power at the beginning of the interval, or in its middle, between the nodes' means:
     /// 1 - a v_x/limit >= 0.
     Power { limit: f64, share: [f64; 2] },
-    /// The governor near the top speed, at the beginning: 1 - v_x/top - a/(gain top) >= 0.
+    /// The governor near the top speed, at the beginning: 1 - v_x/top - a/(GOVERNOR top) >= 0.
     Governor { top: f64 },
 }
 
@@ -82,7 +86,7 @@ impl Rules {
                 let at = z[0] * share[0] + z[1] * share[1];
                 1.0 - at[0] * at[INPUTS] / limit
             }
-            Rule::Governor { top } => 1.0 - z[0][0] / top - z[0][INPUTS] / (GOVERNOR_GAIN * top),
+            Rule::Governor { top } => 1.0 - z[0][0] / top - z[0][INPUTS] / (GOVERNOR * top),
             Rule::Moves { variable, end, sign, speed } => {
                 let (speed, _) = speed.at(z[end][variable], sign);
                 let change = z[1][variable] - z[0][variable];
@@ -111,7 +115,7 @@ impl Rules {
             }
             Rule::Governor { top } => {
                 slope[0][0] = -1.0 / top;
-                slope[0][INPUTS] = -1.0 / (GOVERNOR_GAIN * top);
+                slope[0][INPUTS] = -1.0 / (GOVERNOR * top);
                 slope
             }
             Rule::Moves { variable, end, sign, speed } => {

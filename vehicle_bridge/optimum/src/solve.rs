@@ -45,7 +45,7 @@ pub fn solve_with_progress(
         return Err(Error::Car(ModelError::CarInvalid(problems)));
     }
     let case = Case::new(car, track, options);
-    let first = mesh::uniform(track, case.first_length());
+    let first = case.first_mesh();
     let mut found: Vec<(f64, Problem, Solved)> = Vec::new();
     let mut failed = (f64::INFINITY, f64::NAN);
     for index in 0..options.starts {
