@@ -16,10 +16,12 @@ use transport::{Arrival, Error, Filter, Inbox, Message, Sink, Statistics, Transp
 /// Attacks of each kind. \[-\]
 const TIMES: i64 = 10_000;
 
+type Heard = (Filter, Arc<Mutex<Box<dyn Sink>>>);
+
 /// Hands every message to everybody, as multicast does, and keeps what was said.
 #[derive(Default)]
 struct Bus {
-    sinks: Mutex<Vec<(Filter, Arc<Mutex<Box<dyn Sink>>>)>>,
+    sinks: Mutex<Vec<Heard>>,
     said: Mutex<Vec<(String, Vec<u8>)>>,
 }
 

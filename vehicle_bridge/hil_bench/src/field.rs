@@ -77,7 +77,9 @@ impl Action {
             Self::Lag { seconds, .. } if !(seconds > 0.0 && seconds <= 60.0) => {
                 Some(format!("seconds is {seconds}, expected above 0, at most 60"))
             }
-            Self::Noise { sigma, .. } | Self::RandomWalk { sigma, .. } if !(sigma >= 0.0) => {
+            Self::Noise { sigma, .. } | Self::RandomWalk { sigma, .. }
+                if sigma.is_nan() || sigma < 0.0 =>
+            {
                 Some(format!("sigma is {sigma}, expected 0 or above"))
             }
             Self::Every { n } if n < 2 => Some(format!("n is {n}, expected 2 or above")),

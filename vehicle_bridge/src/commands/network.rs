@@ -254,11 +254,11 @@ fn account(drive: &Drive, talk: Talk) {
     }
 }
 
-/// The network, and what a person should know about it.
-pub(super) fn connect(
-    args: &NetworkArgs,
-    fifo: bool,
-) -> Result<(Arc<dyn Transport>, Vec<String>, Option<Seal>)> {
+/// A network, what a person should know about it, and its key if it has one.
+type Connected = (Arc<dyn Transport>, Vec<String>, Option<Seal>);
+
+/// The network of the command line, behind its key if that names one.
+pub(super) fn connect(args: &NetworkArgs, fifo: bool) -> Result<Connected> {
     let url = args.url();
     // Before anything is sent without it.
     let key = args.key().map(|path| Key::load(&path)).transpose()?;

@@ -80,7 +80,7 @@ impl Line {
         let spread = self.xx / self.weight - x * x;
         let together = self.xz / self.weight - x * z;
         let whole = self.zz / self.weight - z * z;
-        if !(spread > 1e-12) {
+        if spread.is_nan() || spread <= 1e-12 {
             let rest = whole.max(0.0).sqrt();
             return Some(Fit { slope: 1.0, error: 0.0, spread: 0.0, offset: z - x, rest });
         }
