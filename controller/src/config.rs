@@ -53,7 +53,7 @@ pub struct Config {
 pub struct Horizon {
     /// Number of steps N. Longer horizons learn faster and, from slow laps, less safely. [2, 200]
     pub steps: usize,
-    /// Sampling period dt [s].
+    /// Sampling period dt \[s\].
     #[serde(rename = "period_s")]
     pub period: f64,
     /// RK4 sub-steps of the nominal model in one period. [1, 200]
@@ -200,15 +200,15 @@ pub struct EnvelopeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
-    /// Distance the centre of gravity of a car parallel to the track keeps from either edge [m].
+    /// Distance the centre of gravity of a car parallel to the track keeps from either edge \[m\].
     #[serde(rename = "lane_margin_m")]
     pub lane_margin: f64,
     /// Whether the outline of the body keeps what `lane_margin` leaves beside half its width.
     pub body: bool,
-    /// Guard on the front slip angle |alpha_f|; 0 switches it off [rad].
+    /// Guard on the front slip angle |alpha_f|; 0 switches it off \[rad\].
     #[serde(rename = "front_slip_rad")]
     pub front_slip: f64,
-    /// Guard on the rear slip angle |alpha_r|; 0 switches it off [rad].
+    /// Guard on the rear slip angle |alpha_r|; 0 switches it off \[rad\].
     #[serde(rename = "rear_slip_rad")]
     pub rear_slip: f64,
     /// Whether a braking car has only that share of the rear guard that is left of the rear load.
@@ -231,7 +231,7 @@ pub struct WarmUpConfig {
     /// regressed [m/s^2].
     #[serde(rename = "noise_a_mps2")]
     pub noise_a: f64,
-    /// Standard deviation of the noise on the steering angle [rad].
+    /// Standard deviation of the noise on the steering angle \[rad\].
     #[serde(rename = "noise_delta_rad")]
     pub noise_delta: f64,
     /// Seed of that noise.

@@ -17,7 +17,7 @@ pub enum Pose {
 /// One measurement of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
-    /// Time of the measurement on the host's clock; only differences count [s].
+    /// Time of the measurement on the host's clock; only differences count \[s\].
     pub time: f64,
     /// The state.
     pub pose: Pose,
@@ -119,7 +119,7 @@ pub struct LapResult {
     pub lap: u32,
     /// Kind.
     pub kind: LapKind,
-    /// Lap time between the interpolated crossings of the line [s].
+    /// Lap time between the interpolated crossings of the line \[s\].
     pub lap_time: f64,
     /// Whether the whole lap was inside the track, with complete data; only such laps enter the
     /// safe set.
@@ -146,11 +146,11 @@ pub struct Status {
     pub state: State,
     /// Optimal cost of the FHOCP in steps.
     pub cost: f64,
-    /// Largest lane slack along the plan [m].
+    /// Largest lane slack along the plan \[m\].
     pub lane_slack: f64,
-    /// Largest front slip-guard slack along the plan [rad].
+    /// Largest front slip-guard slack along the plan \[rad\].
     pub front_slip_slack: f64,
-    /// Largest rear slip-guard slack along the plan [rad].
+    /// Largest rear slip-guard slack along the plan \[rad\].
     pub rear_slip_slack: f64,
     /// Largest speed-cap slack along the plan [m/s].
     pub speed_slack: f64,

@@ -61,9 +61,9 @@ pub struct Description {
     pub description: &'static str,
     /// Version of the model.
     pub version: &'static str,
-    /// Proposed end of a simulation [s].
+    /// Proposed end of a simulation \[s\].
     pub stop_time: f64,
-    /// Proposed communication step [s].
+    /// Proposed communication step \[s\].
     pub step_size: f64,
     /// The variables.
     pub table: Table,

@@ -14,7 +14,7 @@ use crate::pack::PackError;
 pub struct Inspection {
     /// Attributes of the model description's root element, in order.
     pub attributes: Vec<(String, String)>,
-    /// Names and sizes [bytes] of all files.
+    /// Names and sizes \[bytes\] of all files.
     pub files: Vec<(String, u64)>,
     /// The variables, in the order of the model description.
     pub variables: Vec<VariableRow>,

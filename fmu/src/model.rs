@@ -21,16 +21,16 @@ pub struct Io<'a> {
 /// One communication step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Start of the simulation [s].
+    /// Start of the simulation \[s\].
     pub origin: f64,
-    /// Time at the beginning of the step [s].
+    /// Time at the beginning of the step \[s\].
     pub begin: f64,
-    /// Length of the step, positive and finite [s].
+    /// Length of the step, positive and finite \[s\].
     pub size: f64,
 }
 
 impl Step {
-    /// Time at the end of the step [s].
+    /// Time at the end of the step \[s\].
     #[must_use]
     pub fn end(&self) -> f64 {
         self.begin + self.size

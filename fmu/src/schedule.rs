@@ -24,19 +24,19 @@ impl Schedule {
         (1.0..1e18).contains(&ticks).then_some(Self { period: ticks as i64, next: 0 })
     }
 
-    /// The period [s].
+    /// The period \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
         self.period as f64 / TICKS_PER_SECOND
     }
 
-    /// Whether a step of this size [s] can hold more than one event.
+    /// Whether a step of this size \[s\] can hold more than one event.
     #[must_use]
     pub fn too_long(&self, size: f64) -> bool {
         ticks(size) as f64 > self.period as f64 * (1.0 + SINGLE) + 1.0
     }
 
-    /// Whether whole steps of this size [s] make up the period, to single precision and a tick.
+    /// Whether whole steps of this size \[s\] make up the period, to single precision and a tick.
     #[must_use]
     pub fn divides(&self, size: f64) -> bool {
         let steps = self.period as f64 / (size * TICKS_PER_SECOND);
@@ -45,7 +45,7 @@ impl Schedule {
     }
 
     /// Takes the next event if it lies before `time` [s after the start], the end of a step of this
-    /// size [s]: an event at the end of a step belongs to the following step, because the inputs of
+    /// size \[s\]: an event at the end of a step belongs to the following step, because the inputs of
     /// that instant come with it. What single precision may add to a time does not count.
     pub fn due_before(&mut self, time: f64, size: f64) -> bool {
         let slack = (SINGLE * time).min(0.25 * size);

@@ -18,7 +18,7 @@ pub struct Drive {
     pub steps: u32,
     /// Every finished lap.
     pub laps: Vec<LapResult>,
-    /// Greatest |e_y| of the true car so far [m].
+    /// Greatest |e_y| of the true car so far \[m\].
     pub widest: f64,
 }
 
@@ -63,7 +63,7 @@ impl Drive {
         Self { controller, plant, steps: 0, laps: Vec::new(), widest: 0.0 }
     }
 
-    /// Time on the host's clock [s].
+    /// Time on the host's clock \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
         f64::from(self.steps) * self.period()
@@ -124,7 +124,7 @@ impl Drive {
         self.laps.iter().filter(move |lap| lap.kind == kind)
     }
 
-    /// Times of the learning laps [s].
+    /// Times of the learning laps \[s\].
     #[must_use]
     pub fn lap_times(&self) -> Vec<f64> {
         self.of_kind(LapKind::Learning).map(|lap| lap.lap_time).collect()

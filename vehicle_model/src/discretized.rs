@@ -25,7 +25,7 @@ const DIRECTIONS: usize = NX + NU;
 pub struct Discretized {
     /// The continuous model.
     pub model: Model,
-    /// Control step [s].
+    /// Control step \[s\].
     pub dt: f64,
     /// Runge-Kutta steps in one control step, at least 1.
     pub substeps: usize,

@@ -72,7 +72,7 @@ impl Tyre {
         Self { secant, ..self }
     }
 
-    /// Slip angle of the peak lateral force, tan(pi/(2C))/B [rad]; infinite for C <= 1, whose
+    /// Slip angle of the peak lateral force, tan(pi/(2C))/B \[rad\]; infinite for C <= 1, whose
     /// curve has no peak.
     #[must_use]
     pub fn peak_slip(&self) -> f64 {
@@ -92,19 +92,19 @@ impl Tyre {
 pub struct CarParams {
     /// Name shown in reports; no part of the fingerprint.
     pub name: String,
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass: f64,
     /// Yaw inertia [kg m^2].
     pub inertia_z: f64,
-    /// Centre of gravity to front axle [m].
+    /// Centre of gravity to front axle \[m\].
     pub l_f: f64,
-    /// Centre of gravity to rear axle [m].
+    /// Centre of gravity to rear axle \[m\].
     pub l_r: f64,
     /// Lateral tyre of the front axle.
     pub tyre_front: Tyre,
     /// Lateral tyre of the rear axle.
     pub tyre_rear: Tyre,
-    /// Height of the centre of gravity, moves load between the axles; 0 is off [m].
+    /// Height of the centre of gravity, moves load between the axles; 0 is off \[m\].
     pub h_cg: f64,
     /// Drag coefficient; 0 is off [-].
     pub cd: f64,
@@ -129,32 +129,32 @@ pub struct CarParams {
     pub front_force_yaw: bool,
     /// Whether longitudinal force takes from the lateral force (friction ellipse).
     pub combined_slip: bool,
-    /// Limit of driving power at the wheels; `None` is off [W].
+    /// Limit of driving power at the wheels; `None` is off \[W\].
     pub power_max: Option<f64>,
-    /// Limit of driving force; `None` is off [N].
+    /// Limit of driving force; `None` is off \[N\].
     pub drive_force_max: Option<f64>,
-    /// Limit of braking force; `None` is off [N].
+    /// Limit of braking force; `None` is off \[N\].
     pub brake_force_max: Option<f64>,
-    /// Top speed that gearing or a governor allows; `None` is off [m/s].
+    /// Top speed that gearing or a governor allows; `None` is off \[m/s\].
     #[serde(default)]
     pub speed_max: Option<f64>,
-    /// Body length [m].
+    /// Body length \[m\].
     pub length: f64,
-    /// Body width [m].
+    /// Body width \[m\].
     pub width: f64,
     /// Strongest braking command, negative [m/s^2].
     pub a_min: f64,
     /// Strongest driving command [m/s^2].
     pub a_max: f64,
-    /// Steering stop on each side [rad].
+    /// Steering stop on each side \[rad\].
     pub delta_max: f64,
     /// Limit of the steering rate; `None` is off [rad/s].
     pub delta_rate_max: Option<f64>,
     /// Limit of the rate of the acceleration; `None` is off [m/s^3].
     pub a_rate_max: Option<f64>,
-    /// First-order time constant of the actuators; 0 is off [s].
+    /// First-order time constant of the actuators; 0 is off \[s\].
     pub actuator_lag: f64,
-    /// Transport delay of the inputs; 0 is off [s].
+    /// Transport delay of the inputs; 0 is off \[s\].
     pub actuator_delay: f64,
     /// At and below this speed the lateral dynamics are kinematic [m/s].
     pub blend_speed_low: f64,
@@ -163,13 +163,13 @@ pub struct CarParams {
 }
 
 impl CarParams {
-    /// Distance between the axles, l_f + l_r [m].
+    /// Distance between the axles, l_f + l_r \[m\].
     #[must_use]
     pub fn wheelbase(&self) -> f64 {
         self.l_f + self.l_r
     }
 
-    /// Static vertical load of the front and rear axle, m g l_other / l [N].
+    /// Static vertical load of the front and rear axle, m g l_other / l \[N\].
     #[must_use]
     pub fn static_loads(&self) -> [f64; 2] {
         let weight = self.mass * GRAVITY;

@@ -30,7 +30,7 @@ pub use noise::SensorNoise;
 pub struct PlantParams {
     /// The true car; its actuator lag, delay, limits and rate limits act here.
     pub car: CarParams,
-    /// Longest Runge-Kutta step; 10 ms is that of the paper's study, 1 ms a fine truth [s].
+    /// Longest Runge-Kutta step; 10 ms is that of the paper's study, 1 ms a fine truth \[s\].
     #[serde(rename = "substep_s")]
     pub substep: f64,
     /// Noise of what is measured.
@@ -246,13 +246,13 @@ impl Plant {
         self.model.utilisation(&self.tyres()).map(|used| used / friction)
     }
 
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
         self.state.time
     }
 
-    /// Way along the track since s = 0 of lap 0, growing over the laps [m].
+    /// Way along the track since s = 0 of lap 0, growing over the laps \[m\].
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.state.x.s

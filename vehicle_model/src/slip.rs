@@ -6,12 +6,12 @@ use crate::model::slip_speed;
 use crate::params::CarParams;
 use crate::state::{Input, State};
 
-/// Slip angles of both axles, positive when the tyre force points left [rad].
+/// Slip angles of both axles, positive when the tyre force points left \[rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipAngles {
-    /// alpha_f = delta - atan((v_y + l_f omega_z)/v_x) [rad].
+    /// alpha_f = delta - atan((v_y + l_f omega_z)/v_x) \[rad\].
     pub front: f64,
-    /// alpha_r = -atan((v_y - l_r omega_z)/v_x) [rad].
+    /// alpha_r = -atan((v_y - l_r omega_z)/v_x) \[rad\].
     pub rear: f64,
     /// Gradient of `front` with respect to [v_x, v_y, omega_z]; that by delta is 1.
     pub front_gradient: Vector3<f64>,

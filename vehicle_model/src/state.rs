@@ -18,11 +18,11 @@ pub struct State {
     pub v_y: f64,
     /// Yaw rate, positive counter-clockwise [rad/s].
     pub omega_z: f64,
-    /// Heading relative to the centre line's tangent [rad].
+    /// Heading relative to the centre line's tangent \[rad\].
     pub e_psi: f64,
-    /// Progress along the centre line [m].
+    /// Progress along the centre line \[m\].
     pub s: f64,
-    /// Signed lateral deviation from the centre line, positive to the left [m].
+    /// Signed lateral deviation from the centre line, positive to the left \[m\].
     ///
     /// The paper prints a distance, which has no sign; the signed deviation is meant.
     pub e_y: f64,
@@ -33,18 +33,18 @@ pub struct State {
 pub struct Input {
     /// Longitudinal acceleration command [m/s^2].
     pub a: f64,
-    /// Front steering angle, positive to the left [rad].
+    /// Front steering angle, positive to the left \[rad\].
     pub delta: f64,
 }
 
 /// Pose in a global frame with the velocities of the body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct GlobalState {
-    /// Position of the centre of gravity [m].
+    /// Position of the centre of gravity \[m\].
     pub x: f64,
-    /// Position of the centre of gravity [m].
+    /// Position of the centre of gravity \[m\].
     pub y: f64,
-    /// Heading, zero along +x, positive counter-clockwise [rad].
+    /// Heading, zero along +x, positive counter-clockwise \[rad\].
     pub psi: f64,
     /// Longitudinal velocity, body frame [m/s].
     pub v_x: f64,

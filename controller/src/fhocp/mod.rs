@@ -42,16 +42,16 @@ pub struct SlipRow {
     pub velocity: [f64; 3],
     /// Gradient with respect to the steering angle.
     pub steering: f64,
-    /// Constant part [rad].
+    /// Constant part \[rad\].
     pub offset: f64,
     /// Weight of the squared distance of the angle from `reference`, in steps [1/rad^2].
     pub weight: f64,
-    /// Slip angle of the point of linearisation [rad].
+    /// Slip angle of the point of linearisation \[rad\].
     pub reference: f64,
 }
 
 impl SlipRow {
-    /// The linearised slip angle [rad].
+    /// The linearised slip angle \[rad\].
     #[must_use]
     pub fn angle(&self, x: &Vector6<f64>, delta: f64) -> f64 {
         let [g_x, g_y, g_w] = self.velocity;
@@ -88,9 +88,9 @@ pub struct Fhocp {
     pub u_max: Vector2<f64>,
     /// Greatest difference of successive inputs; infinite for none.
     pub du_max: Vector2<f64>,
-    /// Least e_y of stage t + 1, N [m].
+    /// Least e_y of stage t + 1, N \[m\].
     pub e_y_min: Vec<f64>,
-    /// Greatest e_y of stage t + 1, N [m].
+    /// Greatest e_y of stage t + 1, N \[m\].
     pub e_y_max: Vec<f64>,
     /// Linear weight of the lane slack.
     pub lane_linear: f64,
@@ -100,9 +100,9 @@ pub struct Fhocp {
     pub front: Vec<SlipRow>,
     /// Rear slip angle of stage t + 1, N.
     pub rear: Vec<SlipRow>,
-    /// Bound on the front slip angle; infinite for none [rad].
+    /// Bound on the front slip angle; infinite for none \[rad\].
     pub front_max: f64,
-    /// Bound on the rear slip angle; infinite for none [rad].
+    /// Bound on the rear slip angle; infinite for none \[rad\].
     pub rear_max: f64,
     /// Share of `rear_max` that bounds stage t + 1, N.
     pub rear_share: Vec<f64>,
@@ -206,13 +206,13 @@ impl Fhocp {
         cost + self.terminal_slack_cost(solution)
     }
 
-    /// Interpolated cost-to-go of the terminal state, J' lambda [steps].
+    /// Interpolated cost-to-go of the terminal state, J' lambda \[steps\].
     #[must_use]
     pub fn cost_to_go(&self, solution: &Solution) -> f64 {
         self.hull_cost.iter().zip(&solution.lambda).map(|(j, l)| j * l).sum::<f64>()
     }
 
-    /// Cost of the terminal slack, e' E e [steps].
+    /// Cost of the terminal slack, e' E e \[steps\].
     #[must_use]
     pub fn terminal_slack_cost(&self, solution: &Solution) -> f64 {
         let mut e = solution.x[self.horizon()];

@@ -5,11 +5,11 @@ use super::{Fhocp, Solution};
 /// The least slack each soft constraint needs, by stage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Slacks {
-    /// Lane, stages 1..N [m].
+    /// Lane, stages 1..N \[m\].
     pub lane: Vec<f64>,
-    /// Front slip guard, stages 0..N-1 [rad].
+    /// Front slip guard, stages 0..N-1 \[rad\].
     pub front: Vec<f64>,
-    /// Rear slip guard, stages 1..N [rad].
+    /// Rear slip guard, stages 1..N \[rad\].
     pub rear: Vec<f64>,
     /// Speed cap, stages 1..N [m/s].
     pub speed: Vec<f64>,

@@ -10,7 +10,7 @@ use crate::status::{LapKind, LapResult};
 /// One measured transition.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Time of the measurement [s].
+    /// Time of the measurement \[s\].
     pub time: f64,
     /// Measured state, s in [0, L).
     pub x: State,
@@ -28,9 +28,9 @@ pub struct Lap {
     pub result: LapResult,
     /// Samples from the first behind the line to the last before it.
     pub samples: Vec<Sample>,
-    /// Interpolated crossing of the line at the start [s].
+    /// Interpolated crossing of the line at the start \[s\].
     pub start_time: f64,
-    /// Interpolated crossing of the line at the end [s].
+    /// Interpolated crossing of the line at the end \[s\].
     pub end_time: f64,
     /// Whether the first sample is the direct successor of the previous lap's last.
     pub follows: bool,

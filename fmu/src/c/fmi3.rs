@@ -231,7 +231,7 @@ pub struct StepReport {
     pub terminate_simulation: *mut u8,
     /// Never set: steps are taken whole or not at all.
     pub early_return: *mut u8,
-    /// Time reached [s].
+    /// Time reached \[s\].
     pub last_successful_time: *mut f64,
 }
 

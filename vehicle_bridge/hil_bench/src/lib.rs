@@ -1,6 +1,6 @@
 //! The bench: scenarios in real time, faults between controller and car, a verdict.
 //!
-//! [`bench`], [`fault`] and [`measure`] are what a bench file says. A run starts the processes,
+//! [`mod@bench`], [`fault`] and [`measure`] are what a bench file says. A run starts the processes,
 //! puts a fault proxy between the two networks, drives, injects and observes; [`verdict`] sums up.
 
 mod alter;

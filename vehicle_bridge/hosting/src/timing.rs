@@ -14,7 +14,7 @@ pub const PHASES: [(Phase, &str); 5] = [
     (Phase::Solve, "solve"),
 ];
 
-/// Times of one step [s].
+/// Times of one step \[s\].
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StepTime {
     /// By phase, in the order of [`PHASES`].

@@ -9,7 +9,7 @@ use vehicle_model::{GlobalState, Input, State};
 /// One control step.
 #[derive(Debug, Clone, Copy)]
 pub struct StepRow {
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     pub time: f64,
     /// The true state, in the track's frame.
     pub x: State,
@@ -19,9 +19,9 @@ pub struct StepRow {
     pub u: Input,
     /// The controller's status.
     pub status: Status,
-    /// Front slip angle [rad].
+    /// Front slip angle \[rad\].
     pub alpha_f: f64,
-    /// Rear slip angle [rad].
+    /// Rear slip angle \[rad\].
     pub alpha_r: f64,
     /// Share of the front axle's largest lateral force in use, 0 to 1.
     pub use_f: f64,
@@ -65,14 +65,14 @@ pub struct LapRow {
     pub v_max: f64,
     /// Mean v_x [m/s].
     pub v_mean: f64,
-    /// Greatest |e_y| [m].
+    /// Greatest |e_y| \[m\].
     pub e_y_max: f64,
     /// Greatest overhang of the body beyond an edge; while it stays inside, minus its least
     /// distance to one \[m\].
     pub overhang_max: f64,
-    /// Greatest front slip angle [rad].
+    /// Greatest front slip angle \[rad\].
     pub alpha_f_max: f64,
-    /// Greatest rear slip angle [rad].
+    /// Greatest rear slip angle \[rad\].
     pub alpha_r_max: f64,
     /// Control steps in the lap.
     pub steps: usize,
@@ -152,7 +152,7 @@ pub struct Failure {
     pub reason: FailureReason,
     /// Learning lap in which it happened, from 1; 0 in a warm-up lap.
     pub iteration: u32,
-    /// When [s].
+    /// When \[s\].
     pub time: f64,
     /// The true state then.
     pub x: State,

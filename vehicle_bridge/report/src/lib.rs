@@ -58,7 +58,7 @@ pub struct LapView<'a> {
     pub shown: bool,
     /// `warmup`, `learning` or `unfinished`.
     pub kind: &'static str,
-    /// Lap time; none if it was not finished [s].
+    /// Lap time; none if it was not finished \[s\].
     pub time: Option<f64>,
     /// Its control steps.
     pub steps: &'a [StepRow],

@@ -36,10 +36,10 @@ pub enum TrackAction {
 /// How a track file is read.
 #[derive(Debug, Args)]
 pub struct ImportArgs {
-    /// Distance by which smoothing moves the points, root mean square; 0 for none [m]
+    /// Distance by which smoothing moves the points, root mean square; 0 for none, in metres
     #[arg(long, value_name = "METRES", value_parser = not_negative)]
     pub smooth: Option<f64>,
-    /// Width of the track from edge to edge, for a file that has none [m]
+    /// Width of the track from edge to edge, for a file that has none, in metres
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub width: Option<f64>,
 }

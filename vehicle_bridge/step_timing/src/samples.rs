@@ -3,7 +3,7 @@
 use nix::sys::resource::{UsageWho, getrusage};
 use serde::Serialize;
 
-/// Quantiles of measured times [us].
+/// Quantiles of measured times \[us\].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Times {
     /// Least.

@@ -47,7 +47,7 @@ pub struct PhaseTimes {
 }
 
 impl StepTimes {
-    /// Median of a phase [us].
+    /// Median of a phase \[us\].
     #[must_use]
     pub fn median(&self, name: &str) -> f64 {
         let phase = self.phases.iter().find(|phase| phase.name == name);

@@ -61,7 +61,7 @@ pub struct Paper {
     regression: String,
     control_rate_cost: Option<f64>,
     bandwidth: Option<f64>,
-    /// Lap time of iteration 20 [s].
+    /// Lap time of iteration 20 \[s\].
     pub lap_time_s: Option<f64>,
     /// Iteration of failure, on average.
     pub failed_in: Option<f64>,

@@ -26,9 +26,9 @@ pub struct RunRow {
     pub laps_completed: u32,
     /// Iteration of failure; 0 if in a warm-up lap, none if there was no failure.
     pub itf: Option<u32>,
-    /// Lap time of iteration 20 [s].
+    /// Lap time of iteration 20 \[s\].
     pub ilt20_s: Option<f64>,
-    /// Fastest learning lap [s].
+    /// Fastest learning lap \[s\].
     pub best_lap_s: Option<f64>,
     /// Why it failed; empty if it did not.
     pub failure: String,
@@ -57,13 +57,13 @@ pub struct StudyLap {
     pub kind: String,
     /// Number among the learning laps.
     pub iteration: Option<u32>,
-    /// Lap time; none for the lap in which the run failed [s].
+    /// Lap time; none for the lap in which the run failed \[s\].
     pub lap_time_s: Option<f64>,
     /// Whether the whole lap was inside the track.
     pub valid: bool,
     /// Greatest v_x [m/s].
     pub v_max_mps: f64,
-    /// Greatest |e_y| [m].
+    /// Greatest |e_y| \[m\].
     pub e_y_max_m: f64,
     /// Steps that fell back.
     pub fallbacks: u64,

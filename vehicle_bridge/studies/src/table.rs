@@ -19,11 +19,11 @@ pub struct CellSummary {
     pub failed: usize,
     /// Mean iteration of failure of those.
     pub itf_mean: Option<f64>,
-    /// Median lap time of iteration 20 of the others [s].
+    /// Median lap time of iteration 20 of the others \[s\].
     pub ilt20_median_s: Option<f64>,
-    /// Fastest and slowest lap time of iteration 20 [s].
+    /// Fastest and slowest lap time of iteration 20 \[s\].
     pub ilt20_range_s: Option<[f64; 2]>,
-    /// Median of the best laps [s].
+    /// Median of the best laps \[s\].
     pub best_median_s: Option<f64>,
     /// Steps that fell back in all runs.
     pub fallbacks: u64,

@@ -15,13 +15,13 @@ const MIN_LOAD_SHARE: f64 = 0.02;
 /// Forces of the axles of a bicycle model; index 0 is the front, 1 the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxleForces<T> {
-    /// Longitudinal force along the wheel [N].
+    /// Longitudinal force along the wheel \[N\].
     pub long: [T; 2],
-    /// Lateral force across the wheel, positive to the left [N].
+    /// Lateral force across the wheel, positive to the left \[N\].
     pub lateral: [T; 2],
-    /// Vertical load [N].
+    /// Vertical load \[N\].
     pub vertical: [T; 2],
-    /// Slip angle [rad].
+    /// Slip angle \[rad\].
     pub slip: [T; 2],
 }
 

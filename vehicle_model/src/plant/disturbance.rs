@@ -20,9 +20,9 @@ pub struct Disturbance {
     pub process_std: [f64; 3],
     /// Changes of grip; where several hold, their factors multiply.
     pub grip: Vec<GripChange>,
-    /// Constant force in the body frame, forward and left [N].
+    /// Constant force in the body frame, forward and left \[N\].
     pub force_body_n: [f64; 2],
-    /// Constant force in the global frame, a wind: along X and Y [N].
+    /// Constant force in the global frame, a wind: along X and Y \[N\].
     pub force_global_n: [f64; 2],
 }
 
@@ -32,10 +32,10 @@ pub struct Disturbance {
 pub struct GripChange {
     /// Factors on the friction coefficient of the front and rear axle [-].
     pub factor: [f64; 2],
-    /// Window of time, from and to; absent: always [s].
+    /// Window of time, from and to; absent: always \[s\].
     #[serde(default)]
     pub time_s: Option<[f64; 2]>,
-    /// Window of s, from and to; from > to spans the line; absent: everywhere [m].
+    /// Window of s, from and to; from > to spans the line; absent: everywhere \[m\].
     #[serde(default)]
     pub s_m: Option<[f64; 2]>,
 }

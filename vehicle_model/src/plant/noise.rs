@@ -20,13 +20,13 @@ pub struct SensorNoise {
     /// Noise of omega_z [rad/s].
     #[serde(rename = "omega_z_radps")]
     pub omega_z: f64,
-    /// Noise of e_psi [rad].
+    /// Noise of e_psi \[rad\].
     #[serde(rename = "e_psi_rad")]
     pub e_psi: f64,
-    /// Noise of s [m].
+    /// Noise of s \[m\].
     #[serde(rename = "s_m")]
     pub s: f64,
-    /// Noise of e_y [m].
+    /// Noise of e_y \[m\].
     #[serde(rename = "e_y_m")]
     pub e_y: f64,
 }

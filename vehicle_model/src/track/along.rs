@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 /// friction are linear between the places that state them, a speed limit holds from its place on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Station {
-    /// Progress along the centre line, in [0, L) [m].
+    /// Progress along the centre line, in [0, L) \[m\].
     pub s: f64,
     /// Angle of the surface about the direction of driving, positive where the left edge is the
     /// higher one (ISO 8855: a right-hand rotation about x), in (-pi/2, pi/2) \[rad\].

@@ -37,7 +37,7 @@ pub struct Origin {
     pub latitude: f64,
     /// Longitude \[degree\].
     pub longitude: f64,
-    /// Height above the ellipsoid [m].
+    /// Height above the ellipsoid \[m\].
     pub height: f64,
 }
 
@@ -83,26 +83,26 @@ pub enum Change {
     Smoothed {
         /// How many points the file has.
         points: usize,
-        /// Distance by which they moved, in the root mean square [m].
+        /// Distance by which they moved, in the root mean square \[m\].
         rms: f64,
-        /// The longest of these distances [m].
+        /// The longest of these distances \[m\].
         largest: f64,
         /// Where the point that moved furthest was.
         place: Place,
-        /// Standard deviation of the points' noise in each coordinate, as estimated [m].
+        /// Standard deviation of the points' noise in each coordinate, as estimated \[m\].
         noise: f64,
     },
     /// A width was cut where the bend is tighter than the width on its inner side.
     Clipped {
         /// The edge that was moved.
         side: Side,
-        /// Where the stretch begins [m].
+        /// Where the stretch begins \[m\].
         from: f64,
-        /// Where it ends [m].
+        /// Where it ends \[m\].
         to: f64,
-        /// Width at the place where most was cut, before [m].
+        /// Width at the place where most was cut, before \[m\].
         before: f64,
-        /// Width there, after [m].
+        /// Width there, after \[m\].
         after: f64,
     },
 }

@@ -5,11 +5,11 @@ use std::fmt;
 /// A place on a track's centre line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Distance along the centre line [m].
+    /// Distance along the centre line \[m\].
     pub s: f64,
-    /// Position [m].
+    /// Position \[m\].
     pub x: f64,
-    /// Position [m].
+    /// Position \[m\].
     pub y: f64,
 }
 
@@ -81,11 +81,11 @@ pub enum TrackError {
     Open {
         /// End of the path.
         end: Place,
-        /// Distance between end and start [m].
+        /// Distance between end and start \[m\].
         gap: f64,
-        /// Angle between the tangents at end and start, in (-pi, pi] [rad].
+        /// Angle between the tangents at end and start, in (-pi, pi] \[rad\].
         turn: f64,
-        /// Largest allowed distance [m] and angle [rad].
+        /// Largest allowed distance \[m\] and angle \[rad\].
         tolerance: f64,
     },
     /// The last point is far from the first.
@@ -97,9 +97,9 @@ pub enum TrackError {
     Gap {
         /// The last point.
         end: Place,
-        /// Its distance from the first [m].
+        /// Its distance from the first \[m\].
         gap: f64,
-        /// Largest allowed distance [m].
+        /// Largest allowed distance \[m\].
         limit: f64,
     },
     /// The centre line crosses itself as no bridge does.
@@ -122,11 +122,11 @@ pub enum TrackError {
     TooCoarse {
         /// Where.
         place: Place,
-        /// Turn between neighbouring chords [rad].
+        /// Turn between neighbouring chords \[rad\].
         turn: f64,
-        /// Distance of the points [m].
+        /// Distance of the points \[m\].
         spacing: f64,
-        /// Largest allowed turn [rad].
+        /// Largest allowed turn \[rad\].
         limit: f64,
     },
     /// A point far from the line through its neighbours.
@@ -140,9 +140,9 @@ pub enum TrackError {
         item: String,
         /// Where.
         place: Place,
-        /// Its distance from the line through the others [m].
+        /// Its distance from the line through the others \[m\].
         distance: f64,
-        /// Largest allowed distance [m].
+        /// Largest allowed distance \[m\].
         limit: f64,
     },
     /// A stretch without points.
@@ -155,9 +155,9 @@ pub enum TrackError {
         item: String,
         /// Where.
         place: Place,
-        /// Distance to the next point [m].
+        /// Distance to the next point \[m\].
         gap: f64,
-        /// Median distance of neighbouring points [m].
+        /// Median distance of neighbouring points \[m\].
         typical: f64,
     },
     /// Many points far from any smooth line.
@@ -173,9 +173,9 @@ pub enum TrackError {
         item: String,
         /// Where it is.
         place: Place,
-        /// Its distance from the line [m].
+        /// Its distance from the line \[m\].
         distance: f64,
-        /// Largest allowed distance there [m].
+        /// Largest allowed distance there \[m\].
         limit: f64,
     },
     /// The points go round more than once.
@@ -200,9 +200,9 @@ pub enum TrackError {
     Scale {
         /// Share of the lap whose inner width had to be cut \[%\].
         share: f64,
-        /// Length of the lap [m].
+        /// Length of the lap \[m\].
         length: f64,
-        /// Mean width from edge to edge [m].
+        /// Mean width from edge to edge \[m\].
         width: f64,
         /// Largest allowed share \[%\].
         limit: f64,
@@ -215,9 +215,9 @@ pub enum TrackError {
     TooTight {
         /// Where.
         place: Place,
-        /// Radius of the centre line [m].
+        /// Radius of the centre line \[m\].
         radius: f64,
-        /// Width to the inner edge [m].
+        /// Width to the inner edge \[m\].
         width: f64,
     },
     /// The car's body does not fit between the edges.
@@ -228,9 +228,9 @@ pub enum TrackError {
     TooNarrow {
         /// Where it is narrowest.
         place: Place,
-        /// Width from edge to edge [m].
+        /// Width from edge to edge \[m\].
         width: f64,
-        /// Width of the body [m].
+        /// Width of the body \[m\].
         body: f64,
     },
     /// The track is far wider than the car.
@@ -239,9 +239,9 @@ pub enum TrackError {
          of {body:.3} m, expected at most {limit:.0} times; check that the file is in metres"
     )]
     TooWide {
-        /// Width from edge to edge at the narrowest place [m].
+        /// Width from edge to edge at the narrowest place \[m\].
         width: f64,
-        /// Width of the body [m].
+        /// Width of the body \[m\].
         body: f64,
         /// Their ratio \[-\].
         share: f64,
@@ -257,9 +257,9 @@ pub enum TrackError {
     TooSharp {
         /// Where it is tightest.
         place: Place,
-        /// Radius of the widest line [m].
+        /// Radius of the widest line \[m\].
         radius: f64,
-        /// Radius at full steering lock [m].
+        /// Radius at full steering lock \[m\].
         lock: f64,
     },
 }

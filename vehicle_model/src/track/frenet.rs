@@ -18,15 +18,15 @@ const SLACK: f64 = 1.001;
 /// The foot of a point on the centre line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
-    /// Progress along the centre line, in [0, L) [m].
+    /// Progress along the centre line, in [0, L) \[m\].
     pub s: f64,
-    /// Signed distance from the centre line, positive to the left [m].
+    /// Signed distance from the centre line, positive to the left \[m\].
     pub e_y: f64,
-    /// Heading of the centre line at s, continuous along the lap [rad].
+    /// Heading of the centre line at s, continuous along the lap \[rad\].
     pub heading: f64,
 }
 
-/// The angle brought into (-pi, pi] [rad].
+/// The angle brought into (-pi, pi] \[rad\].
 #[must_use]
 pub fn wrap_angle(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
@@ -74,9 +74,9 @@ impl Track {
         }
     }
 
-    /// Foot of the point (x, y) [m] on the centre line.
+    /// Foot of the point (x, y) \[m\] on the centre line.
     ///
-    /// With a hint (the last s, in any lap [m]) the search follows the centre line downhill
+    /// With a hint (the last s, in any lap \[m\]) the search follows the centre line downhill
     /// from there, so that a track passing near itself does not catch the point on its other
     /// branch. Without one the nearest point of the whole track is taken; so it is when the hint
     /// turns out to be wrong: no foot within ten track widths of it, or a foot from which the

@@ -77,7 +77,7 @@ impl fmt::Debug for Track {
 
 impl Track {
     /// A track of straights and arcs that starts at (0, 0) along +x. `width_left` and
-    /// `width_right` [m] hold where a segment has no widths of its own.
+    /// `width_right` \[m\] hold where a segment has no widths of its own.
     ///
     /// # Errors
     /// The first of everything that is wrong with the segments.
@@ -135,13 +135,13 @@ impl Track {
         &self.name
     }
 
-    /// Length L of the centre line [m].
+    /// Length L of the centre line \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Progress s of any lap brought into [0, L) [m]; 0 for what is no finite number.
+    /// Progress s of any lap brought into [0, L) \[m\]; 0 for what is no finite number.
     #[must_use]
     #[inline]
     pub fn wrap(&self, s: f64) -> f64 {
@@ -192,19 +192,19 @@ impl Track {
         self.max_abs_kappa
     }
 
-    /// Distance from the centre line to the left edge at s [m].
+    /// Distance from the centre line to the left edge at s \[m\].
     #[must_use]
     pub fn width_left(&self, s: f64) -> f64 {
         self.widths.at(self.wrap(s)).0
     }
 
-    /// Distance from the centre line to the right edge at s [m].
+    /// Distance from the centre line to the right edge at s \[m\].
     #[must_use]
     pub fn width_right(&self, s: f64) -> f64 {
         self.widths.at(self.wrap(s)).1
     }
 
-    /// Width from edge to edge at the narrowest place [m].
+    /// Width from edge to edge at the narrowest place \[m\].
     #[must_use]
     pub fn narrowest(&self) -> f64 {
         self.min_width
@@ -216,7 +216,7 @@ impl Track {
         &self.bridges
     }
 
-    /// Point of the centre line at s [m].
+    /// Point of the centre line at s \[m\].
     #[must_use]
     pub fn position(&self, s: f64) -> (f64, f64) {
         let (x, y, _) = self.pose(s);
@@ -224,7 +224,7 @@ impl Track {
     }
 
     /// Heading of the centre line at s, zero along +x, continuous along the lap from s = 0 to L:
-    /// at the end of a counter-clockwise lap it has grown by 2 pi [rad].
+    /// at the end of a counter-clockwise lap it has grown by 2 pi \[rad\].
     #[must_use]
     pub fn heading(&self, s: f64) -> f64 {
         self.pose(s).2

@@ -44,13 +44,13 @@ const GAUSS: [(f64, f64); 5] = [
 /// A point of the centre line with the distances to both edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackPoint {
-    /// Position [m].
+    /// Position \[m\].
     pub x: f64,
-    /// Position [m].
+    /// Position \[m\].
     pub y: f64,
-    /// Distance to the left edge [m].
+    /// Distance to the left edge \[m\].
     pub width_left: f64,
-    /// Distance to the right edge [m].
+    /// Distance to the right edge \[m\].
     pub width_right: f64,
 }
 

@@ -16,37 +16,37 @@ const CLOSURE: f64 = 1e-6;
 /// A straight or an arc of a track, with the widths along it if they differ from the track's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Length along the centre line [m].
+    /// Length along the centre line \[m\].
     pub length: f64,
     /// Curvature, positive to the left, 0 for a straight [1/m].
     pub kappa: f64,
-    /// Distances to the left and right edge at the beginning [m].
+    /// Distances to the left and right edge at the beginning \[m\].
     pub width_start: Option<(f64, f64)>,
-    /// Distances to the left and right edge at the end [m]; linear in between.
+    /// Distances to the left and right edge at the end \[m\]; linear in between.
     pub width_end: Option<(f64, f64)>,
 }
 
 impl Segment {
-    /// A straight of the given length [m].
+    /// A straight of the given length \[m\].
     #[must_use]
     pub fn straight(length: f64) -> Self {
         Self { length, kappa: 0.0, width_start: None, width_end: None }
     }
 
-    /// An arc with signed radius [m], positive to the left, through the angle [rad], positive.
+    /// An arc with signed radius \[m\], positive to the left, through the angle \[rad\], positive.
     #[must_use]
     pub fn arc(radius: f64, angle: f64) -> Self {
         let length = radius.abs() * angle;
         Self { length, kappa: 1.0 / radius, width_start: None, width_end: None }
     }
 
-    /// The same piece with its own distances to the left and right edge [m].
+    /// The same piece with its own distances to the left and right edge \[m\].
     #[must_use]
     pub fn with_widths(self, left: f64, right: f64) -> Self {
         self.with_taper((left, right), (left, right))
     }
 
-    /// The same piece with distances to the (left, right) edge [m] that change linearly.
+    /// The same piece with distances to the (left, right) edge \[m\] that change linearly.
     #[must_use]
     pub fn with_taper(self, start: (f64, f64), end: (f64, f64)) -> Self {
         Self { width_start: Some(start), width_end: Some(end), ..self }
