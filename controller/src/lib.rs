@@ -16,6 +16,7 @@ mod actuator;
 mod affine;
 pub mod config;
 mod controller;
+mod delay;
 mod derive;
 mod drive;
 mod error;

@@ -20,8 +20,9 @@ use vehicle_model::{
 pub use hosting::rule::{FailureRule, TrackLimit};
 pub use plant::change_plant;
 
+use hosting::rule::FailureReason;
 use hosting::timing::{StepTime, Stopwatch};
-use record::{Failure, FailureReason, LapRow, ModelError, StepRow};
+use record::{Failure, LapRow, ModelError, StepRow};
 use vehicle_host::{Vehicle, VehicleError};
 
 /// Where the learned model is compared with the plant's own linearisation.
