@@ -97,7 +97,19 @@ impl Controller {
             filter: self.setup.filter.as_ref(),
             prediction: prediction.as_ref(),
         };
+        let last = self.memory.last.filter(|_| !self.memory.learning);
+        let raw = self.memory.estimate.raw;
         let observed = observer.observe(&mut self.memory, measurement);
+        if let (Some(last), Ok(now)) = (last, &observed)
+            && now.reason == Reason::None
+            && self.memory.recovery.is_none()
+        {
+            // A filter without delay draws its estimate to what happens without delay.
+            let measured = self.setup.filter.as_ref().is_some_and(|filter| !filter.blind());
+            let (from, to) =
+                if measured { (raw, self.memory.estimate.raw) } else { (last.state, now.state) };
+            self.try_delays(&from, &to);
+        }
         probe.end(Phase::Project);
         let mut status = Status { lap: self.memory.lap, ..Status::default() };
         let wanted = match observed {

@@ -190,6 +190,7 @@ impl Controller {
         let memory = &mut self.memory;
         let (command, reached) = self.setup.actuators.lead(memory.u_prev, wanted);
         let mean = self.setup.actuators.mean(memory.u_prev, reached);
+        memory.delay.commanded(mean);
         memory.queue.push_back(mean);
         let acting = memory.queue.pop_front().unwrap_or(mean);
         if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())

@@ -19,6 +19,11 @@ impl Controller {
     /// Lap-end work: grip, safe-set laps, regression targets and tree.
     pub(crate) fn learn(&mut self) {
         self.memory.lap_due = false;
+        let delay = &self.setup.config.delay;
+        if delay.estimate && delay.steps == 0 && !self.memory.learned && self.memory.learning {
+            self.settle_delay();
+        }
+        self.memory.learned = self.memory.learning;
         self.weigh_ridge();
         let nominal = &self.setup.config.nominal;
         if nominal.adapt_grip && nominal.model == NominalModel::Dynamic {
@@ -113,6 +118,7 @@ impl Controller {
         Learned {
             identity: self.identity(),
             grip: self.memory.grip,
+            delay: self.delay(),
             laps: self.memory.dataset.laps.clone(),
         }
     }
@@ -142,7 +148,9 @@ impl Controller {
         let learning = |lap: &&Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Learning;
         memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;
         memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
+        memory.learned = memory.learning;
         self.memory = memory;
+        self.adopt_delay(learned.delay);
         self.setup.model.model.grip = learned.grip;
         self.derive();
         self.prepared = false;

@@ -51,6 +51,7 @@ mod adopt;
 mod affine;
 pub mod config;
 mod controller;
+mod delay;
 mod derive;
 mod drive;
 mod error;

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::config::Config;
+use crate::delay::DelayTrial;
 use crate::filter::Estimate;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::envelope::{Envelope, NearMiss};
@@ -27,6 +28,8 @@ pub(crate) struct Memory {
     pub(crate) lap: u32,
     /// Whether the lap in progress is a learning lap.
     pub(crate) learning: bool,
+    /// The initial laps have been learned from.
+    pub(crate) learned: bool,
     /// Learning laps completed.
     pub(crate) learned_laps: u32,
     /// Last measurement believed.
@@ -35,6 +38,8 @@ pub(crate) struct Memory {
     pub(crate) estimate: Estimate,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
+    /// Delay found in the initial laps.
+    pub(crate) delay: DelayTrial,
     /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
     /// Last input decided on: where the last command leads the actuators.
@@ -93,10 +98,12 @@ impl Memory {
             grip: [1.0; 2],
             lap: 0,
             learning: false,
+            learned: false,
             learned_laps: 0,
             last: None,
             estimate: Estimate::default(),
             suspects: 0,
+            delay: DelayTrial::default(),
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
             command: Input::default(),

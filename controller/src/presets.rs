@@ -76,7 +76,7 @@ impl Config {
                 speed_cap: 0.0,
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
-            delay: DelayConfig { steps: 0 },
+            delay: DelayConfig { steps: 0, estimate: false },
             filter: FilterConfig {
                 active: false,
                 velocities: true,
@@ -115,6 +115,7 @@ impl Config {
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
+            delay: DelayConfig { estimate: true, ..paper.delay },
             filter: FilterConfig { active: true, ..paper.filter },
             recovery: RecoveryConfig { active: true },
             limits: LimitsConfig {

@@ -10,7 +10,7 @@ use crate::error::DataError;
 use crate::learning::dataset::Lap;
 
 const MAGIC: &[u8; 8] = b"LMPCDATA";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -19,6 +19,8 @@ const HEADER: usize = 8 + 4 + 8 + 4;
 pub struct Learned {
     pub(crate) identity: Identity,
     pub(crate) grip: [f64; 2],
+    /// Whole periods between a command and its effect.
+    pub(crate) delay: usize,
     pub(crate) laps: Vec<Arc<Lap>>,
 }
 

@@ -111,9 +111,8 @@ fn consistency(noise: f64, delay: usize, velocities: bool) -> (Vector6<f64>, Vec
 
 #[test]
 fn the_estimate_is_better_than_the_sensor_and_knows_by_how_much() {
-    for noise in [0.001, 0.005, 0.01, 0.02] {
-        // Poses alone say too little beyond 10 mm.
-        for (delay, velocities) in [(0, true), (1, true), (0, noise > 0.01)] {
+    for noise in [0.001, 0.005, 0.01] {
+        for (delay, velocities) in [(0, true), (1, true), (0, false)] {
             let case = format!("noise {noise}, delay {delay}, velocities {velocities}");
             let (raw, filtered, squares) = consistency(noise, delay, velocities);
             assert!((2.0..10.0).contains(&squares), "{case}: {squares}");

@@ -12,6 +12,8 @@ pub struct DelayConfig {
     /// Whole periods between a command and its effect; the state is predicted through the
     /// queued inputs. [0, 20]
     pub steps: usize,
+    /// With `steps = 0`: whether the initial laps tell how many periods it takes.
+    pub estimate: bool,
 }
 
 /// What happens after a spin, an excursion, a standstill or a start askew.

@@ -56,7 +56,7 @@ pub(crate) struct Estimate {
     /// Covariance of the last estimate; none while measurements pass as they are.
     p: Option<[[f64; 6]; 6]>,
     /// The last measurement.
-    raw: State,
+    pub(crate) raw: State,
     noise: Noise,
     /// The lap in progress, to be smoothed: one step for each sample, or none.
     pub(crate) steps: Vec<Step>,

@@ -184,6 +184,12 @@ fn account(race: &Race, known: Option<&Known>) -> Vec<String> {
             lines.push(measured(best.result.lap_time, known));
         }
     }
+    let (delay, given) = (race.controller().delay(), race.controller().config().delay.steps);
+    if delay > given {
+        let period = race.controller().config().horizon.period;
+        let text = format!("delay of {delay} periods ({:.3} s) found", delay as f64 * period);
+        lines.push(paint(WARN, &text));
+    }
     for incident in &race.incidents {
         lines.push(paint(WARN, &format!("recovered: {incident}")));
     }
@@ -261,6 +267,7 @@ fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value 
         "incidents": race.incidents.iter().map(failed).collect::<Vec<_>>(),
         "fallbacks": fallbacks(&race.steps),
         "grip": race.controller().grip(),
+        "delay_steps": race.controller().delay(),
         "out": out.display().to_string(),
     })
 }
