@@ -24,6 +24,8 @@ const LONG: f64 = 4000.0;
 const SHORT: f64 = 150.0;
 /// Residuals before anything is estimated.
 const LEAST: f64 = 60.0;
+/// Greatest residual and slope taken in.
+const GREATEST: f64 = 1e6;
 /// A residual counts up to this many standard deviations.
 const CLIP: f64 = 4.0;
 /// Noise of the position that counts as noise, in wheelbases; half of it ends the filtering.
@@ -73,6 +75,12 @@ impl Noise {
 
     /// Takes a residual in; `length` is the wheelbase.
     pub(super) fn add(&mut self, residual: &Vector6<f64>, a: &Matrix6<f64>, length: f64) {
+        // What no sensor of a car says would spoil the moments for good.
+        let sane = |v: &f64| v.abs() < GREATEST;
+        if !residual.iter().all(sane) || !a.iter().all(sane) {
+            self.interrupt();
+            return;
+        }
         let d: [f64; 6] = std::array::from_fn(|i| {
             let most = CLIP * self.recent[i].sqrt();
             if self.count < LEAST { residual[i] } else { residual[i].clamp(-most, most) }
