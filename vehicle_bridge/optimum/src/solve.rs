@@ -9,7 +9,6 @@ use crate::error::Error;
 use crate::interior_point::{self, Settings, Solved};
 use crate::interval::Node;
 use crate::lap::{Optimum, Point, Quality};
-use crate::mesh;
 use crate::options::{Options, Progress};
 use crate::problem::Problem;
 use crate::refine::{BAND, scaled, times};
