@@ -22,6 +22,9 @@ pub(crate) const A: usize = 5;
 const MOST_E_PSI: f64 = 1.3;
 /// Cost of the squared change of the inputs over an interval; the mean cost of an interval is 1.
 const COST_OF_CHANGE: f64 = 1e-4;
+/// The same with speed limits: where one binds, no other input is faster than the one that is held, and
+/// the inputs would ring from node to node.
+const COST_OF_CHANGE_LIMITED: f64 = 3e-3;
 /// Times the tyres take to build up force that an interval of the first mesh may last.
 const RELAXATION_SHARE: f64 = 1.0;
 /// Starts: how far the line goes to the inside of bends, as a share of the room there, and the
@@ -56,7 +59,7 @@ impl<'a> Case<'a> {
         let probe = mesh::uniform(self.track, |_| self.track.length() / 200.0);
         let v = self.mean_speed(&probe);
         mesh::uniform(self.track, |limit| {
-            let v = v.min(limit);
+            let v = v.min(limit).min(self.car.speed_max.unwrap_or(f64::INFINITY));
             RELAXATION_SHARE * v * v / stiffness
         })
     }
@@ -120,7 +123,11 @@ impl<'a> Case<'a> {
             lower: bounds(0),
             upper: bounds(1),
             cost_of_time: n as f64 / time,
-            cost_of_change: COST_OF_CHANGE,
+            cost_of_change: if limits.iter().any(|limit| limit.is_finite()) {
+                COST_OF_CHANGE_LIMITED
+            } else {
+                COST_OF_CHANGE
+            },
         })
     }
 

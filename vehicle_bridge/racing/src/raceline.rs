@@ -30,7 +30,7 @@ pub fn text(title: &str, steps: &[StepRow], period: f64) -> String {
         (b.x - a.x).hypot(b.y - a.y)
     };
     let mut way = 0.0;
-    for i in 0..n {
+    for (i, step) in steps.iter().enumerate() {
         if i > 0 {
             way += distance(i - 1, i);
         }
@@ -39,7 +39,7 @@ pub fn text(title: &str, steps: &[StepRow], period: f64) -> String {
         let kappa = wrap_angle(course(after) - course(before)) / length.max(1e-9);
         let time = period * (after - before).max(1) as f64;
         let along = (speed(after) - speed(before)) / time;
-        let pose = &steps[i].pose;
+        let pose = &step.pose;
         let _ = writeln!(
             out,
             "{way:.7}; {:.7}; {:.7}; {:.7}; {kappa:.7}; {:.7}; {along:.7}",
