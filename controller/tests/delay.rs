@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
-use vehicle_model::{CarParams, Plant, PlantParams, State, Track};
+use vehicle_model::{CarParams, Plant, PlantParams, State};
 
 /// Delay found for a plant with `periods` of it, in the fourth learned lap.
 fn found(car: &CarParams, nominal_mu: f64, periods: usize, noise: f64) -> usize {
