@@ -19,7 +19,7 @@ fn says(message: &str, words: &[&str]) {
 #[test]
 fn configurations() {
     let cases: [(&str, &[&str]); 7] = [
-        ("[horizon]\nstepz = 12", &["line 2", "column 1", "stepz", "substeps"]),
+        ("[horizon]\nstepz = 12", &["line 2", "column 1", "stepz", "nearest", "steps"]),
         ("[horizon]\nsteps = \"many\"", &["line 2", "column 9", "many"]),
         ("[horizon]\nsteps = 1", &["horizon.steps", "1 is out of range", "2 to 200"]),
         ("[cost]\ncontrol_rate = nan", &["cost.control_rate", "NaN", "0 to 1000000"]),

@@ -20,7 +20,7 @@ use super::speed_limit::deceleration;
 use crate::config::EnvelopeConfig;
 
 /// Share of the reserve beside the body whose use is no near miss.
-const TOLERATED: f64 = 0.25;
+const TOLERATED: f64 = 0.5;
 /// Share of the speed taken back where the whole reserve was used up.
 const SLOWER: f64 = 0.05;
 /// Share of the speed given again with each lap since.

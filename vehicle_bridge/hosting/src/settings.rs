@@ -124,7 +124,7 @@ mod tests {
         let error = Layers::default().set("horizon.stepz=9").unwrap_err();
         assert!(error.is::<Usage>());
         let text = error.to_string();
-        assert!(text.contains("stepz") && text.contains("substeps"), "{text}");
+        assert!(text.contains("stepz") && text.contains("`steps`"), "{text}");
         assert!(Layers::default().set("horizon.steps=1").is_err(), "out of range");
         assert!(Layers::default().set("horizon.steps").is_err(), "no value");
     }
