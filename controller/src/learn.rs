@@ -91,7 +91,9 @@ impl Controller {
         let (car, limits) = (&self.setup.car, &self.setup.config.limits);
         let reserve = limits.lane_margin - 0.5 * car.width;
         let of = &self.memory.dataset.laps[lap];
-        if !limits.body || reserve <= 0.0 || of.result.kind != LapKind::Learning {
+        // After an incident the car is slow: its speeds there are no measure.
+        let raced = of.result.valid && of.result.kind == LapKind::Learning;
+        if !limits.body || reserve <= 0.0 || !raced {
             return;
         }
         let (outline, track) = (Outline::new(car), &self.setup.track);
