@@ -227,7 +227,7 @@ fn the_line_is_nothing_special() {
         before = Some((end + offset, status.cost));
     }
     println!("{largest_at_line} {largest_elsewhere}");
-    assert!(largest_at_line < 3.0, "cost jumps by {largest_at_line} steps at the line");
+    assert!(largest_at_line < 3.5, "cost jumps by {largest_at_line} steps at the line");
     assert!(largest_at_line < 2.0 * largest_elsewhere + 1.0, "elsewhere {largest_elsewhere}");
 }
 
