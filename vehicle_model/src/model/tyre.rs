@@ -27,15 +27,20 @@ pub(super) fn slip_angles<T: Number>(l_f: f64, l_r: f64, v: &[T; 3], delta: T) -
 /// F_y = D sin(C atan(B alpha)), its derivative by alpha a secant's where the tyre says so.
 #[inline(always)]
 pub(super) fn lateral_force<T: Number>(tyre: &Tyre, peak: T, alpha: T) -> T {
-    let (sin, _) = ((alpha * tyre.b).atan() * tyre.c).sin_cos();
+    let (sin, _) = curve(tyre, alpha);
     if tyre.secant.length == 0.0 {
         return peak * sin;
     }
     // Zero in value: alpha's derivatives alone.
-    let far = alpha.abs().above(tyre.secant.from);
-    let divisible = T::select(far, alpha, alpha.constant(1.0));
-    let change = (divisible.scale(divisible.real().recip()) - 1.0).scale(divisible.real());
+    let change = alpha - alpha.constant(1.0).scale(alpha.real());
     peak * (sin + change.scale(excess_slope(tyre, alpha.real())))
+}
+
+/// sin and cos of C atan(B alpha). A closure would be compiled apart from the vector instructions
+/// around it.
+#[inline(always)]
+fn curve<T: Number>(tyre: &Tyre, alpha: T) -> (T, T) {
+    ((alpha * tyre.b).atan() * tyre.c).sin_cos()
 }
 
 /// By how much the secant's slope exceeds the tangent's.
@@ -48,8 +53,7 @@ fn excess_slope<R: Real>(tyre: &Tyre, alpha: R) -> R {
     // The tangent is the limit of short secants, whose quotients lose their digits.
     let long = share.above(1e-3);
     let length = R::select(long, share * secant.length, one);
-    let curve = |alpha: R| ((alpha * tyre.b).atan() * tyre.c).sin_cos();
-    let (sin, cos) = curve(alpha);
+    let (sin, cos) = curve(tyre, alpha);
     let slope = cos * (tyre.b * tyre.c) / (alpha * alpha * (tyre.b * tyre.b) + 1.0);
-    R::select(long, (sin - curve(alpha - length).0) / length - slope, zero)
+    R::select(long, (sin - curve(tyre, alpha - length).0) / length - slope, zero)
 }
