@@ -1,16 +1,21 @@
 //! One control step of a model: Runge-Kutta 4 with the input held, and its exact Jacobians.
 
+mod direct;
 #[cfg(test)]
 mod oracle;
-mod relief;
+mod sensitivity;
 mod variation;
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
-use variation::By;
+use direct::Direct;
+use sensitivity::By;
+use variation::Variation;
 
-use crate::model::{Held, Model, ModelKind, PoseConvention, pose_rates, state_array};
-use crate::number::{Dual, Number, Real};
+use crate::model::{
+    Held, Model, ModelKind, PoseConvention, Terrain, ground, pose_rates, state_array,
+};
+use crate::number::{Number, Real};
 use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
 
@@ -51,11 +56,17 @@ impl Discretized {
 
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, road: impl Road) -> Linearization {
-        match self.model.kind {
-            _ if !road.is_flat() => relief::linearize(self, x, u, &road),
-            ModelKind::Dynamic => variation::linearize(self, x, u, &road),
-            ModelKind::Kinematic => self.linearize_directly(x, u, &road),
+        let (step, by, road) = (self, By::Input, &road);
+        if self.varies(road) {
+            sensitivity::linearize(&Variation { step, by, road }, x, u)
+        } else {
+            sensitivity::linearize(&Direct { step, by, road }, x, u)
         }
+    }
+
+    /// Whether the variational equations fall into the small blocks that they are written for.
+    fn varies(&self, road: &impl Road) -> bool {
+        road.is_flat() && self.model.kind == ModelKind::Dynamic
     }
 
     /// [`Discretized::linearize`] at every point, to the last bit, but several points at once in
@@ -66,32 +77,21 @@ impl Discretized {
         road: impl Road,
         mut found: impl FnMut(usize, Linearization),
     ) {
-        match self.model.kind {
-            _ if !road.is_flat() => {
-                relief::linearize_all(self, points, By::Input, &road, &mut found);
-            }
-            ModelKind::Dynamic => {
-                variation::linearize_all(self, points, By::Input, &road, &mut found);
-            }
-            ModelKind::Kinematic => {
-                for (i, (x, u)) in points.iter().enumerate() {
-                    found(i, self.linearize_directly(x, u, &road));
-                }
-            }
-        }
+        self.linearize_by(By::Input, points, &road, &mut found);
     }
 
-    /// The whole step in dual numbers: short, and cheap enough where the velocities are algebraic.
-    fn linearize_directly(&self, x: &State, u: &Input, road: &impl Road) -> Linearization {
-        type D = Dual<f64, DIRECTIONS>;
-        let values = state_array(x);
-        let state: [D; NX] = std::array::from_fn(|i| D::direction(values[i], i));
-        let input = [D::direction(u.a, NX), D::direction(u.delta, NX + 1)];
-        let next = self.step(&state, &input, &self.model.grip.map(D::fixed), road);
-        Linearization {
-            next: Vector6::from_fn(|row, _| next[row].value),
-            a: Matrix6::from_fn(|row, column| next[row].gradient[column]),
-            b: Matrix6x2::from_fn(|row, column| next[row].gradient[NX + column]),
+    fn linearize_by(
+        &self,
+        by: By,
+        points: &[(State, Input)],
+        road: &impl Road,
+        found: &mut impl FnMut(usize, Linearization),
+    ) {
+        let step = self;
+        if self.varies(road) {
+            sensitivity::linearize_all(&Variation { step, by, road }, points, found);
+        } else {
+            sensitivity::linearize_all(&Direct { step, by, road }, points, found);
         }
     }
 
@@ -107,11 +107,7 @@ impl Discretized {
         match self.model.kind {
             ModelKind::Dynamic => {
                 let mut found = |i, step: Linearization| found(i, step.next, step.b);
-                if road.is_flat() {
-                    variation::linearize_all(self, points, By::Grip, &road, &mut found);
-                } else {
-                    relief::linearize_all(self, points, By::Grip, &road, &mut found);
-                }
+                self.linearize_by(By::Grip, points, &road, &mut found);
             }
             // A car that rolls has all the grip it needs.
             ModelKind::Kinematic => {
@@ -132,6 +128,7 @@ impl Discretized {
         (substeps, h)
     }
 
+    #[inline(always)]
     fn step<T: Number>(
         &self,
         x: &[T; NX],
@@ -139,34 +136,33 @@ impl Discretized {
         grip: &[T; 2],
         road: &impl Road,
     ) -> [T; NX] {
-        if !road.is_flat() {
-            return relief::step(self, x, u, grip, road);
-        }
-        let (substeps, h) = self.grid();
         let u = Held::new(u);
         match self.model.kind {
-            ModelKind::Dynamic => (0..substeps).fold(*x, |x, _| {
-                runge_kutta_4(&x, h, &|x: &[T; NX], _| {
-                    self.model.derivative_generic(x, &u, x[4].real().map(|s| road.kappa(s)), grip)
+            ModelKind::Dynamic => {
+                let (substeps, h) = self.grid();
+                (0..substeps).fold(*x, |x, _| {
+                    runge_kutta_4(&x, h, &|x: &[T; NX], _| {
+                        self.model.rates_along(x, &u, road, grip)
+                    })
                 })
-            }),
-            ModelKind::Kinematic => self.kinematic_step(x, &u, substeps, h, road),
+            }
+            ModelKind::Kinematic => self.kinematic_step(x, &u, road),
         }
     }
 
-    /// Velocity rows jump to their new values, pose rows are integrated along the velocities of
-    /// the pose convention.
-    fn kinematic_step<T: Number>(
-        &self,
-        x: &[T; NX],
-        u: &Held<T>,
-        substeps: usize,
-        h: f64,
-        road: &impl Road,
-    ) -> [T; NX] {
-        let measured = [x[0], x[1], x[2]];
-        let reached = self.model.kinematic_velocities(x[0], u, self.dt);
-        let a = self.model.kinematic_rate(x[0], u, None);
+    /// Velocity rows jump to their new values, with gravity along the car at the start of the step;
+    /// pose rows are integrated along the velocities of the pose convention.
+    #[inline(always)]
+    fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &impl Road) -> [T; NX] {
+        let (substeps, h) = self.grid();
+        let (measured, start) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
+        let on_road = |v: &[T; 3], pose: &[T; 3]| {
+            let terrain = Terrain::new(road, pose[1].real());
+            ground(&terrain, v, pose)
+        };
+        let below = (!road.is_flat()).then(|| on_road(&measured, &start).1);
+        let a = self.model.kinematic_rate(x[0], u, below.as_ref());
+        let reached = self.model.rolling_velocities(x[0] + a * self.dt, u);
         let per_dt = 1.0 / self.dt;
         let velocities = |t: f64| match self.model.pose {
             PoseConvention::Held => measured,
@@ -176,12 +172,16 @@ impl Discretized {
                 std::array::from_fn(|i| measured[i] + (reached[i] - measured[i]) * share)
             }
         };
-        let mut pose = [x[3], x[4], x[5]];
+        let mut pose = start;
         for i in 0..substeps {
             #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
-            let start = i as f64 * h;
+            let begin = i as f64 * h;
             pose = runge_kutta_4(&pose, h, &|pose: &[T; 3], t| {
-                pose_rates(&velocities(start + t), pose, pose[1].real().map(|s| road.kappa(s)))
+                let v = velocities(begin + t);
+                if road.is_flat() {
+                    return pose_rates(&v, pose, pose[1].real().map(|s| road.kappa(s)));
+                }
+                on_road(&v, pose).0
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]

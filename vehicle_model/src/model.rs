@@ -12,7 +12,7 @@ mod tyre;
 
 use serde::{Deserialize, Serialize};
 
-use crate::number::Number;
+use crate::number::{Number, Real};
 use crate::params::CarParams;
 use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
@@ -108,11 +108,7 @@ impl Model {
     /// [`Model::derivative`] on any road.
     #[must_use]
     pub fn derivative_along(&self, x: &State, u: &Input, road: &impl Road) -> [f64; NX] {
-        let (values, held) = (state_array(x), Held::new(&[u.a, u.delta]));
-        if road.is_flat() {
-            return self.derivative_generic(&values, &held, road.kappa(x.s), &self.grip);
-        }
-        self.derivative_on(&values, &held, &Terrain::new(road, x.s), &self.grip)
+        self.rates_along(&state_array(x), &Held::new(&[u.a, u.delta]), road, &self.grip)
     }
 
     /// [`Model::forces`] on any road.
@@ -152,9 +148,24 @@ impl Model {
         [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
     }
 
+    /// The same on any road, which is looked up at the value of s.
+    #[inline(always)]
+    pub(crate) fn rates_along<T: Number>(
+        &self,
+        x: &[T; NX],
+        u: &Held<T>,
+        road: &impl Road,
+        grip: &[T; 2],
+    ) -> [T; NX] {
+        if road.is_flat() {
+            return self.derivative_generic(x, u, x[4].real().map(|s| road.kappa(s)), grip);
+        }
+        self.derivative_on(x, u, &Terrain::new(road, x[4].real()), grip)
+    }
+
     /// The same on a road that is not flat.
     #[inline(always)]
-    pub(crate) fn derivative_on<T: Number>(
+    fn derivative_on<T: Number>(
         &self,
         x: &[T; NX],
         u: &Held<T>,
@@ -181,12 +192,6 @@ impl Model {
             ModelKind::Dynamic => bicycle::velocity_rates(&self.params, v, u, grip, below),
             ModelKind::Kinematic => kinematic::velocity_rates(&self.params, v, u, below),
         }
-    }
-
-    /// Velocities of the kinematic model at the end of a step of `dt`.
-    #[inline(always)]
-    pub(crate) fn kinematic_velocities<T: Number>(&self, v_x: T, u: &Held<T>, dt: f64) -> [T; 3] {
-        self.rolling_velocities(v_x + self.kinematic_rate(v_x, u, None) * dt, u)
     }
 
     /// Longitudinal acceleration of the kinematic model.

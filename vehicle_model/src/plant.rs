@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::discretized::runge_kutta_4;
 use crate::error::ModelError;
-use crate::model::{AxleForces, Held, Model, ModelKind, Terrain, state_array};
+use crate::model::{AxleForces, Held, Model, ModelKind, state_array};
 use crate::params::{CarParams, ParamProblem};
 use crate::state::{GlobalState, Input, State};
 use crate::track::Track;
@@ -175,11 +175,7 @@ impl Plant {
         let input = Held::new(&[u.a, u.delta]);
         let (flat, road) = (track.is_flat(), track.road());
         let next = runge_kutta_4(&state_array(&before), h, &|x: &[f64; crate::NX], _| {
-            let mut rates = if flat {
-                model.derivative_generic(x, &input, track.kappa(x[4]), &model.grip)
-            } else {
-                model.derivative_on(x, &input, &Terrain::new(&road, x[4]), &model.grip)
-            };
+            let mut rates = model.rates_along(x, &input, &road, &model.grip);
             if disturbance.pushes() {
                 let heading = track.heading(x[4]) + x[3];
                 let [a_x, a_y] = disturbance.acceleration(heading, model.params.mass);

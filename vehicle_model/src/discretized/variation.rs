@@ -10,13 +10,13 @@
 //! p being two parameters held over the step: the input, or the grip factors.
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
-use pulp::{Arch, Simd, WithSimd};
 
+use super::sensitivity::{By, Sensitivities};
 use super::{Discretized, Linearization, Rates, Stage, runge_kutta_4};
-use crate::model::{Held, pose_rates, state_array};
-use crate::number::{Dual, Lanes, Real};
+use crate::model::{Held, pose_rates};
+use crate::number::{Dual, Real};
 use crate::road::Road;
-use crate::state::{Input, NU, NX, State};
+use crate::state::{NU, NX};
 
 /// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block:
 /// v_x, v_y, omega_z, e_psi, e_y.
@@ -30,66 +30,23 @@ const P: usize = V + 3 * N;
 const Q: usize = P + 3 * N;
 const ALL: usize = Q + 3 * POSE.len();
 
-/// The two parameters that are held over a step and derived by.
-#[derive(Clone, Copy)]
-pub(super) enum By {
-    /// a and delta.
-    Input,
-    /// Grip factors of the front and rear axle.
-    Grip,
+/// The Jacobians of a step on a flat road by the variational equations.
+pub(super) struct Variation<'a, R> {
+    pub(super) step: &'a Discretized,
+    pub(super) by: By,
+    pub(super) road: &'a R,
 }
 
-/// Jacobians of a step by its state and input.
-pub(super) fn linearize(
-    step: &Discretized,
-    x: &State,
-    u: &Input,
-    road: &impl Road,
-) -> Linearization {
-    let y = integrate(step, &state_array(x), [u.a, u.delta], By::Input, road);
-    unpack(|i| y[i])
-}
-
-/// Jacobians by state and parameters at all points, as many at once as the processor has lanes.
-pub(super) fn linearize_all(
-    step: &Discretized,
-    points: &[(State, Input)],
-    by: By,
-    road: &impl Road,
-    found: &mut impl FnMut(usize, Linearization),
-) {
-    Arch::new().dispatch(Task { step, points, by, road, found });
-}
-
-struct Task<'a, K, F> {
-    step: &'a Discretized,
-    points: &'a [(State, Input)],
-    by: By,
-    road: &'a K,
-    found: &'a mut F,
-}
-
-impl<K: Road, F: FnMut(usize, Linearization)> WithSimd for Task<'_, K, F> {
-    type Output = ();
+impl<R: Road> Sensitivities for Variation<'_, R> {
+    type Found<T: Real> = [T; ALL];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let mut first = 0;
-        for points in self.points.chunks(S::F64_LANES) {
-            // The last point fills what lanes are left over.
-            let point = |lane: usize| points[lane.min(points.len() - 1)];
-            let mut x = [Lanes::from_fn(simd, |_| 0.0); NX];
-            for (i, x) in x.iter_mut().enumerate() {
-                *x = Lanes::from_fn(simd, |lane| state_array(&point(lane).0)[i]);
-            }
-            let a = Lanes::from_fn(simd, |lane| point(lane).1.a);
-            let delta = Lanes::from_fn(simd, |lane| point(lane).1.delta);
-            let y = integrate(self.step, &x, [a, delta], self.by, self.road);
-            for lane in 0..points.len() {
-                (self.found)(first + lane, unpack(|i| y[i].lane(lane)));
-            }
-            first += points.len();
-        }
+    fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> [T; ALL] {
+        integrate(self.step, x, u, self.by, self.road)
+    }
+
+    fn unpack<T: Real>(found: &[T; ALL], value: impl Fn(T) -> f64) -> Linearization {
+        unpack(|i| value(found[i]))
     }
 }
 
