@@ -214,14 +214,12 @@ fn drag_limited(drive: f64) -> f64 {
 /// [(l_r C_r - l_f C_f)/(I v), -(l_f^2 C_f + l_r^2 C_r)/(I v)]].
 fn instability(car: &CarParams, top: f64) -> f64 {
     let l = car.wheelbase();
-    let [front, rear] = car.static_loads();
+    let moved = car.mass * car.hardest_braking() * car.h_cg / l;
     let rate = |v: f64| {
-        let air = 0.5 * car.rho * car.area * v * v;
-        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-        let moved = car.mass * brakes.min(-car.a_min) * car.h_cg / l;
+        let [front, rear] = car.loads_at(v);
         let stiffness = |tyre: &Tyre, load: f64| tyre.b * tyre.c * tyre.mu * load.max(0.0);
-        let c_f = stiffness(&car.tyre_front, front + air * car.cl_front + moved);
-        let c_r = stiffness(&car.tyre_rear, rear + air * car.cl_rear - moved);
+        let c_f = stiffness(&car.tyre_front, front + moved);
+        let c_r = stiffness(&car.tyre_rear, rear - moved);
         let moment = car.l_r * c_r - car.l_f * c_f;
         let damping = car.l_f * car.l_f * c_f + car.l_r * car.l_r * c_r;
         let (a, b) = (-(c_f + c_r) / (car.mass * v), moment / (car.mass * v) - v);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vehicle_model::Outline;
 
 use crate::config::{NominalModel, RegressionMode, Selection};
-use crate::controller::Controller;
+use crate::controller::{Controller, Setup};
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
 use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
@@ -70,11 +70,12 @@ impl Controller {
         }
         let chosen = selected.iter().map(|&i| &*laps[i]);
         let (car, track) = (&self.setup.car, &self.setup.track);
-        for lap in derived.searched..laps.len() {
+        let remembered = laps.len().saturating_sub(REMEMBERED);
+        for lap in derived.searched.max(remembered)..laps.len() {
             self.find_near_misses(&mut derived.near_misses, lap);
         }
         derived.searched = laps.len();
-        derived.near_misses.retain(|miss| miss.lap + REMEMBERED >= laps.len());
+        derived.near_misses.retain(|miss| miss.lap >= remembered);
         let misses = (&derived.near_misses[..], laps.len());
         derived.envelope =
             Envelope::new(&config.envelope, car, self.memory.grip, track, chosen, misses);
@@ -88,12 +89,13 @@ impl Controller {
 
     /// Where a learned lap used up the reserve beside the body.
     fn find_near_misses(&self, list: &mut Vec<NearMiss>, lap: usize) {
-        let (car, limits) = (&self.setup.car, &self.setup.config.limits);
+        let Setup { car, config, .. } = &self.setup;
+        let limits = &config.limits;
         let reserve = limits.lane_margin - 0.5 * car.width;
         let of = &self.memory.dataset.laps[lap];
         // After an incident the car is slow: its speeds there are no measure.
         let raced = of.result.valid && of.result.kind == LapKind::Learning;
-        if !limits.body || reserve <= 0.0 || !raced {
+        if !config.envelope.active || !limits.body || reserve <= 0.0 || !raced {
             return;
         }
         let (outline, track) = (Outline::new(car), &self.setup.track);

@@ -37,8 +37,7 @@ impl<'a> Dissipation<'a> {
     pub(crate) fn weight(&self, v_x: f64, axle: usize, alpha: f64) -> f64 {
         let car = self.car;
         let tyre = [&car.tyre_front, &car.tyre_rear][axle];
-        let lift = 0.5 * car.rho * car.area * [car.cl_front, car.cl_rear][axle];
-        let load = car.static_loads()[axle] + lift * v_x * v_x;
+        let load = car.loads_at(v_x)[axle];
         let alpha = alpha.abs().max(1e-3);
         let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
         let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
@@ -77,8 +76,7 @@ fn velocities(x: &State) -> Vector3<f64> {
 /// Braking moves load to the front, where it turns the car in, from the rear, where it holds it.
 /// Near the peak slip the rear then gives way to every error. 1 while the car drives on.
 pub(crate) fn rear_share(car: &CarParams, v_x: f64, a: f64) -> f64 {
-    let air = 0.5 * car.rho * car.area * v_x * v_x;
-    let rear = car.static_loads()[1] + air * car.cl_rear;
+    let [_, rear] = car.loads_at(v_x);
     let moved = car.mass * (-a).max(0.0) * car.h_cg / car.wheelbase();
     (1.0 - moved / rear).max(LEAST_SHARE)
 }

@@ -176,6 +176,20 @@ impl CarParams {
         [weight * (self.l_r / self.wheelbase()), weight * (self.l_f / self.wheelbase())]
     }
 
+    /// Vertical load of the front and rear axle at a constant speed: static load and downforce \[N\].
+    #[must_use]
+    pub fn loads_at(&self, v_x: f64) -> [f64; 2] {
+        let [front, rear] = self.static_loads();
+        let lift = |cl: f64| 0.5 * self.rho * self.area * cl * v_x * v_x;
+        [front + lift(self.cl_front), rear + lift(self.cl_rear)]
+    }
+
+    /// Strongest deceleration by the brakes: what may be commanded, or what their force gives \[m/s^2\].
+    #[must_use]
+    pub fn hardest_braking(&self) -> f64 {
+        self.brake_force_max.map_or(f64::INFINITY, |force| force / self.mass).min(-self.a_min)
+    }
+
     /// This car with the same friction coefficient on both axles, as the studies set it.
     #[must_use]
     pub fn with_mu(mut self, mu: f64) -> Self {

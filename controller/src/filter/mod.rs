@@ -18,9 +18,10 @@ mod smooth;
 use nalgebra::{Matrix6, Vector6};
 use serde::{Deserialize, Serialize};
 use vehicle_model::track::wrap_angle;
-use vehicle_model::{CarParams, GRAVITY, State, Track};
+use vehicle_model::{CarParams, State, Track};
 
 use crate::config::FilterConfig;
+use crate::derive::Scales;
 use noise::{Noise, Variances};
 pub(crate) use smooth::{Step, smooth};
 
@@ -64,8 +65,7 @@ pub(crate) struct Estimate {
 
 impl Filter {
     pub(crate) fn new(config: &FilterConfig, car: &CarParams, dt: f64) -> Self {
-        let (mu, length) = (car.tyre_front.mu.min(car.tyre_rear.mu), car.wheelbase());
-        let speed = (mu * GRAVITY * length).sqrt();
+        let Scales { length, speed, .. } = Scales::new(car);
         Self { config: config.clone(), length, speed, dt }
     }
 

@@ -15,8 +15,8 @@
 
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
+use super::braking::{backward, deceleration, grid, place};
 use super::dataset::Lap;
-use super::speed_limit::deceleration;
 use crate::config::EnvelopeConfig;
 
 /// Share of the reserve beside the body whose use is no near miss.
@@ -27,9 +27,6 @@ const SLOWER: f64 = 0.05;
 const TRUST: f64 = 0.01;
 /// Laps after which a near miss is forgotten.
 pub(crate) const REMEMBERED: usize = 8;
-
-/// Grid points at most: a longer track gets a coarser grid.
-const POINTS: usize = 20_000;
 
 /// Greatest speed along the track.
 #[derive(Debug, Clone, Default)]
@@ -84,24 +81,26 @@ impl Envelope {
         laps: impl Iterator<Item = &'a Lap>,
         misses: (&[NearMiss], usize),
     ) -> Self {
-        let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
-        let points = (wanted as usize).clamp(16, POINTS);
-        let mut envelope = Self {
-            ds: track.length() / points as f64,
-            speed: vec![0.0; points],
-            driven: vec![0.0; points],
-        };
+        if !config.active {
+            return Self::default();
+        }
+        let (points, ds) = grid(car, track);
+        let mut envelope = Self { ds, speed: vec![0.0; points], driven: vec![0.0; points] };
         let tyres = Grip::new(car, grip);
         for lap in laps {
             envelope.add(config, &tyres, track, lap);
         }
-        if envelope.speed.iter().all(|v| *v == 0.0) || !config.active {
+        if envelope.speed.iter().all(|v| *v == 0.0) {
             envelope.speed.clear();
             return envelope;
         }
         envelope.fill_gaps();
-        envelope.brake(config, car, track);
-        envelope.slow_down(config, car, track, misses);
+        let braking = Braking { car, track, brake: config.brake_share * car.hardest_braking(), ds };
+        let driven = &envelope.driven;
+        backward(&mut envelope.speed, |i, here, after| {
+            here.min(braking.reaching(i, after)).max(driven[i])
+        });
+        envelope.slow_down(&braking, misses);
         envelope
     }
 
@@ -111,9 +110,7 @@ impl Envelope {
             return f64::INFINITY;
         }
         let n = self.speed.len();
-        let place = (s / self.ds).rem_euclid(n as f64);
-        let i = (place as usize).min(n - 1);
-        let share = place - i as f64;
+        let (i, share) = place(s, self.ds, n);
         self.speed[i] + share * (self.speed[(i + 1) % n] - self.speed[i])
     }
 
@@ -164,25 +161,8 @@ impl Envelope {
         }
     }
 
-    /// The backward pass.
-    fn brake(&mut self, config: &EnvelopeConfig, car: &CarParams, track: &Track) {
-        let n = self.speed.len();
-        for i in (0..2 * n).rev() {
-            let s = (i % n) as f64 * self.ds;
-            let most = braked_to(config, car, (track, s), self.speed[(i + 1) % n], self.ds);
-            let here = &mut self.speed[i % n];
-            *here = here.min(most).max(self.driven[i % n]);
-        }
-    }
-
     /// Less where `misses`, of `count` laps in all, say so, and as far before as braking takes.
-    fn slow_down(
-        &mut self,
-        config: &EnvelopeConfig,
-        car: &CarParams,
-        track: &Track,
-        (misses, count): (&[NearMiss], usize),
-    ) {
+    fn slow_down(&mut self, braking: &Braking<'_>, (misses, count): (&[NearMiss], usize)) {
         if misses.is_empty() {
             return;
         }
@@ -198,31 +178,32 @@ impl Envelope {
                 *here = here.min(miss.allowed(age));
             }
         }
-        for i in (0..2 * n).rev() {
-            let s = (i % n) as f64 * self.ds;
-            let most = braked_to(config, car, (track, s), self.driven[(i + 1) % n], self.ds);
-            let here = &mut self.driven[i % n];
-            *here = here.min(most);
-        }
+        backward(&mut self.driven, |i, here, after| here.min(braking.reaching(i, after)));
         for (speed, most) in self.speed.iter_mut().zip(&self.driven) {
             *speed = speed.min(*most);
         }
     }
 }
 
-/// Greatest speed at s from which the brakes reach `after` within `ds` \[m/s\].
-fn braked_to(
-    config: &EnvelopeConfig,
-    car: &CarParams,
-    (track, s): (&Track, f64),
-    after: f64,
+/// The car's brakes on the grid.
+struct Braking<'a> {
+    car: &'a CarParams,
+    track: &'a Track,
+    /// Deceleration by the brakes \[m/s^2\].
+    brake: f64,
+    /// Distance of the grid points \[m\].
     ds: f64,
-) -> f64 {
-    let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-    let brake = deceleration(track, s, config.brake_share * brakes.min(-car.a_min));
-    let drag =
-        0.5 * car.rho * car.cd * car.area * after * after / car.mass + car.linear_drag * after;
-    (after * after + 2.0 * ds * (brake + drag).max(0.0)).sqrt()
+}
+
+impl Braking<'_> {
+    /// Greatest speed at grid point i from which brakes and drag reach `after` at the next \[m/s\].
+    fn reaching(&self, i: usize, after: f64) -> f64 {
+        let brake = deceleration(self.track, i as f64 * self.ds, self.brake);
+        let car = self.car;
+        let drag =
+            0.5 * car.rho * car.cd * car.area * after * after / car.mass + car.linear_drag * after;
+        (after * after + 2.0 * self.ds * (brake + drag).max(0.0)).sqrt()
+    }
 }
 
 /// Lateral acceleration the tyres hold.

@@ -1,9 +1,8 @@
 //! Speed limits of the track and the car's top speed, with the braking distance before them.
 
-use vehicle_model::{CarParams, GRAVITY, Track};
+use vehicle_model::{CarParams, Track};
 
-/// Grid points at most: a longer track gets a coarser grid.
-const POINTS: usize = 20_000;
+use super::braking::{backward, deceleration, grid, place};
 
 /// Greatest speed along the track that limits allow.
 #[derive(Debug, Clone, Default)]
@@ -22,9 +21,7 @@ impl SpeedLimit {
         if !limited && top.is_infinite() {
             return Self::default();
         }
-        let wanted = (track.length() / (0.5 * car.wheelbase())).ceil();
-        let points = (wanted as usize).clamp(16, POINTS);
-        let ds = track.length() / points as f64;
+        let (points, ds) = grid(car, track);
         // Between two points the smaller of both sides holds: a plan keeps a limit where it begins.
         let stated: Vec<f64> = (0..points)
             .map(|i| {
@@ -34,20 +31,12 @@ impl SpeedLimit {
             })
             .collect();
         let mut limit = Self { ds, speed: stated };
-        limit.brake(car, track, brake_share);
+        let brake = brake_share * car.hardest_braking();
+        backward(&mut limit.speed, |i, here, after| {
+            let room = deceleration(track, i as f64 * ds, brake);
+            here.min((after * after + 2.0 * ds * room.max(0.0)).sqrt())
+        });
         limit
-    }
-
-    fn brake(&mut self, car: &CarParams, track: &Track, share: f64) {
-        let n = self.speed.len();
-        let brakes = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-        for i in (0..2 * n).rev() {
-            let after = self.speed[(i + 1) % n];
-            let room =
-                deceleration(track, (i % n) as f64 * self.ds, share * brakes.min(-car.a_min));
-            let here = &mut self.speed[i % n];
-            *here = here.min((after * after + 2.0 * self.ds * room.max(0.0)).sqrt());
-        }
     }
 
     /// Greatest speed at s \[m/s\]; infinite where nothing limits it.
@@ -56,22 +45,14 @@ impl SpeedLimit {
             return f64::INFINITY;
         }
         let n = self.speed.len();
-        let place = (s / self.ds).rem_euclid(n as f64);
-        let i = (place as usize).min(n - 1);
+        let (i, _) = place(s, self.ds, n);
         self.speed[i].min(self.speed[(i + 1) % n])
     }
 }
 
-/// What brakes of the strength `brake` \[m/s^2\] do at s, with the friction and the slope there.
-pub(crate) fn deceleration(track: &Track, s: f64, brake: f64) -> f64 {
-    if track.is_flat() {
-        return brake;
-    }
-    brake * track.friction(s).min(1.0) + GRAVITY * libm::sin(track.slope(s))
-}
-
 #[cfg(test)]
 mod tests {
+    use vehicle_model::GRAVITY;
     use vehicle_model::track::Station;
 
     use super::*;

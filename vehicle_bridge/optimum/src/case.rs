@@ -46,8 +46,7 @@ pub(crate) struct Case<'a> {
 impl<'a> Case<'a> {
     pub(crate) fn new(car: &'a CarParams, track: &'a Arc<Track>, options: &'a Options) -> Self {
         let drive = car.drive_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-        let brake = car.brake_force_max.map_or(f64::INFINITY, |force| force / car.mass);
-        let a = [car.a_min.max(-brake), car.a_max.min(drive)];
+        let a = [-car.hardest_braking(), car.a_max.min(drive)];
         Self { car, track, options, stops: [a, [-car.delta_max, car.delta_max]] }
     }
 
