@@ -105,15 +105,7 @@ impl Along {
         chart.height = 230.0;
         chart.x_range = Some((0.0, self.length));
         for lap in laps {
-            let class = if lap.best { "best".to_owned() } else { format!("s{}", lap.number % 6) };
-            chart.series.push(Series {
-                label: None,
-                class,
-                title: lap.title.clone(),
-                lap: Some(lap.number),
-                mark: Mark::Line,
-                points: self.points(lap, &value),
-            });
+            chart.series.push(lap.line(self.points(lap, &value)));
         }
         for Line { title, class, points } in lines {
             let series = Series::new(&title, class, Mark::Line, points);

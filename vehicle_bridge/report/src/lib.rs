@@ -16,7 +16,7 @@ use optimum_store::Known;
 use racing::raceline::Raceline;
 use racing::record::{Failure, LapRow, StepRow, is_fallback};
 use racing::words::kind_word;
-use svg_page::{card, escape, page, table};
+use svg_page::{Mark, Series, card, escape, page, table};
 
 pub use map::{outline, speed_map};
 
@@ -69,6 +69,18 @@ pub struct LapView<'a> {
 }
 
 impl LapView<'_> {
+    /// A line of the lap that the lap chooser shows and hides.
+    fn line(&self, points: Vec<(f64, f64)>) -> Series {
+        Series {
+            label: None,
+            class: if self.best { "best".to_owned() } else { format!("s{}", self.number % 6) },
+            title: self.title.clone(),
+            lap: Some(self.number),
+            mark: Mark::Line,
+            points,
+        }
+    }
+
     /// The steps up to the first behind the line again.
     fn closed(&self) -> Vec<StepRow> {
         self.steps.iter().chain(self.after).copied().collect()

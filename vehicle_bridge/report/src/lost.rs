@@ -2,7 +2,7 @@
 
 use super::LapView;
 use optimum_store::Known;
-use svg_page::{Chart, Mark, Series, table};
+use svg_page::{Chart, table};
 
 /// Sections of the table.
 const SECTIONS: u32 = 12;
@@ -45,15 +45,7 @@ pub(super) fn html(laps: &[LapView<'_>], known: &Known, length: f64) -> String {
         if points.is_empty() {
             continue;
         }
-        let class = if lap.best { "best".to_owned() } else { format!("s{}", lap.number % 6) };
-        chart.series.push(Series {
-            label: None,
-            class,
-            title: lap.title.clone(),
-            lap: Some(lap.number),
-            mark: Mark::Line,
-            points,
-        });
+        chart.series.push(lap.line(points));
     }
     let mut out = chart.html();
     if let Some(best) = laps.iter().find(|lap| lap.best) {

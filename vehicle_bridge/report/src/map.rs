@@ -8,7 +8,7 @@ use super::LapView;
 use optimum_store::Known;
 use racing::raceline::Raceline;
 use racing::record::StepRow;
-use svg_page::escape;
+use svg_page::{escape, path};
 
 /// Colours from slow to fast, legible on light and dark.
 const COLOURS: [(f64, [f64; 3]); 5] = [
@@ -72,7 +72,8 @@ pub(super) fn map(
         out.push_str("</g>\n");
     }
     if let Some(optimal) = optimal {
-        let line: Vec<(f64, f64)> = optimal.points.iter().map(|p| at(track, p[0], p[3])).collect();
+        let line: Vec<(f64, f64)> =
+            optimal.points.iter().map(|p| track.beside(p[0], p[3])).collect();
         let _ = writeln!(
             out,
             "<path class=\"path optimal\" d=\"{}Z\"><title>time-optimal lap, {:.3} s</title></path>",
@@ -158,7 +159,7 @@ fn road(track: &Track) -> (String, Bounds) {
             .map(|i| {
                 let s = track.length() * i as f64 / EDGE_POINTS as f64;
                 let width = if side > 0.0 { track.width_left(s) } else { track.width_right(s) };
-                at(track, s, side * width)
+                track.beside(s, side * width)
             })
             .collect()
     };
@@ -172,31 +173,22 @@ fn road(track: &Track) -> (String, Bounds) {
         d(&right)
     );
     let centre: Vec<(f64, f64)> = (0..EDGE_POINTS)
-        .map(|i| at(track, track.length() * i as f64 / EDGE_POINTS as f64, 0.0))
+        .map(|i| track.beside(track.length() * i as f64 / EDGE_POINTS as f64, 0.0))
         .collect();
     let _ = writeln!(out, "<path class=\"centre\" d=\"{}Z\"/>", d(&centre));
     start(track, bounds.size(), &mut out);
     (out, bounds)
 }
 
-fn at(track: &Track, s: f64, e_y: f64) -> (f64, f64) {
-    let ((x, y), psi) = (track.position(s), track.heading(s));
-    (x - e_y * psi.sin(), y + e_y * psi.cos())
-}
-
 /// SVG has y downwards.
 fn d(points: &[(f64, f64)]) -> String {
-    let mut d = String::new();
-    for (i, (x, y)) in points.iter().enumerate() {
-        let _ = write!(d, "{}{x:.3} {:.3}", if i == 0 { 'M' } else { 'L' }, -y);
-    }
-    d
+    path(points.iter().map(|(x, y)| (*x, -y)), 3)
 }
 
 /// The line and arrows that show where and in which direction a lap begins.
 fn start(track: &Track, size: f64, out: &mut String) {
     let (left, right) =
-        (at(track, 0.0, track.width_left(0.0)), at(track, 0.0, -track.width_right(0.0)));
+        (track.beside(0.0, track.width_left(0.0)), track.beside(0.0, -track.width_right(0.0)));
     let _ = writeln!(
         out,
         "<path class=\"start\" d=\"{}\"><title>start and finish</title></path>",
@@ -206,9 +198,11 @@ fn start(track: &Track, size: f64, out: &mut String) {
         let s = track.length() * (f64::from(quarter) / 4.0 + 0.02);
         let width = track.width_right(s);
         let reach = (0.012 * size).min(0.6 * width);
-        let tip = at(track, s + reach, -0.6 * width);
-        let wings =
-            [at(track, s, -0.6 * width + 0.5 * reach), at(track, s, -0.6 * width - 0.5 * reach)];
+        let tip = track.beside(s + reach, -0.6 * width);
+        let wings = [
+            track.beside(s, -0.6 * width + 0.5 * reach),
+            track.beside(s, -0.6 * width - 0.5 * reach),
+        ];
         let _ = writeln!(out, "<path class=\"arrow\" d=\"{}Z\"/>", d(&[tip, wings[0], wings[1]]));
     }
 }

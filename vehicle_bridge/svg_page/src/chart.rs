@@ -262,17 +262,7 @@ fn draw(series: &Series, frame: &Frame, out: &mut String) {
 }
 
 fn path(series: &Series, frame: &Frame) -> String {
-    let mut d = String::new();
-    let mut pen = 'M';
-    for &(x, y) in &series.points {
-        if x.is_finite() && y.is_finite() {
-            let _ = write!(d, "{pen}{:.1} {:.1}", frame.x(x), frame.y(y));
-            pen = 'L';
-        } else {
-            pen = 'M';
-        }
-    }
-    d
+    crate::path(series.points.iter().map(|(x, y)| (frame.x(*x), frame.y(*y))), 1)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Self-contained pages: one style sheet, charts as SVG, no network.
 
+use std::fmt::Write as _;
+
 pub mod chart;
 pub mod scale;
 
@@ -9,6 +11,22 @@ pub use chart::{Chart, Mark, Reference, Series};
 #[must_use]
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The `d` of an SVG path through points, lifted where one is not finite.
+#[must_use]
+pub fn path(points: impl IntoIterator<Item = (f64, f64)>, decimals: usize) -> String {
+    let mut d = String::new();
+    let mut pen = 'M';
+    for (x, y) in points {
+        if x.is_finite() && y.is_finite() {
+            let _ = write!(d, "{pen}{x:.decimals$} {y:.decimals$}");
+            pen = 'L';
+        } else {
+            pen = 'M';
+        }
+    }
+    d
 }
 
 /// A whole page from its parts; `title` and `lead` are plain text, the rest is HTML.

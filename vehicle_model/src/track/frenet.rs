@@ -36,21 +36,33 @@ pub fn wrap_angle(angle: f64) -> f64 {
     if wrapped > PI { wrapped - TAU } else { wrapped }
 }
 
+/// The place `e_y` to the left of a pose x, y, psi.
+fn to_the_left((x, y, psi): (f64, f64, f64), e_y: f64) -> (f64, f64) {
+    let (sin, cos) = libm::sincos(psi);
+    (x - e_y * sin, y + e_y * cos)
+}
+
 impl Track {
     /// Pose and velocities in the global frame of a state in the Frenet frame. `psi` is the
     /// centre line's heading, continuous along the lap, plus `e_psi`.
     #[must_use]
     pub fn to_global(&self, x: &State) -> GlobalState {
-        let (x_c, y_c, psi_c) = self.pose(x.s);
-        let (sin, cos) = libm::sincos(psi_c);
+        let pose = self.pose(x.s);
+        let place = to_the_left(pose, x.e_y);
         GlobalState {
-            x: x_c - x.e_y * sin,
-            y: y_c + x.e_y * cos,
-            psi: psi_c + x.e_psi,
+            x: place.0,
+            y: place.1,
+            psi: pose.2 + x.e_psi,
             v_x: x.v_x,
             v_y: x.v_y,
             omega_z: x.omega_z,
         }
+    }
+
+    /// The place at s, `e_y` to the left of the centre line: x, y \[m\].
+    #[must_use]
+    pub fn beside(&self, s: f64, e_y: f64) -> (f64, f64) {
+        to_the_left(self.pose(s), e_y)
     }
 
     /// State in the Frenet frame of a pose and its velocities; `e_psi` in (-pi, pi]. The hint

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use vehicle_model::Track;
 
-use svg_page::escape;
+use svg_page::{escape, path};
 
 /// Points along each edge.
 const POINTS: usize = 240;
@@ -28,8 +28,8 @@ pub(super) struct Place {
 #[must_use]
 pub(super) fn thumbnail(track: &Track, places: &[Place]) -> String {
     let along = || (0..POINTS).map(|i| track.length() * i as f64 / POINTS as f64);
-    let left: Vec<_> = along().map(|s| at(track, s, track.width_left(s))).collect();
-    let right: Vec<_> = along().map(|s| at(track, s, -track.width_right(s))).collect();
+    let left: Vec<_> = along().map(|s| track.beside(s, track.width_left(s))).collect();
+    let right: Vec<_> = along().map(|s| track.beside(s, -track.width_right(s))).collect();
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for (x, y) in left.iter().chain(&right) {
         low = [low[0].min(*x), low[1].min(*y)];
@@ -49,10 +49,11 @@ pub(super) fn thumbnail(track: &Track, places: &[Place]) -> String {
         d(&left),
         d(&right)
     );
-    let line = [at(track, 0.0, track.width_left(0.0)), at(track, 0.0, -track.width_right(0.0))];
+    let line =
+        [track.beside(0.0, track.width_left(0.0)), track.beside(0.0, -track.width_right(0.0))];
     let _ = write!(out, "<path class=\"start\" d=\"{}\"/>", d(&line));
     for place in places {
-        let (x, y) = at(track, place.s, place.e_y);
+        let (x, y) = track.beside(place.s, place.e_y);
         let _ = write!(
             out,
             "<circle class=\"off\" cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{}</title></circle>",
@@ -65,15 +66,7 @@ pub(super) fn thumbnail(track: &Track, places: &[Place]) -> String {
     out
 }
 
-fn at(track: &Track, s: f64, e_y: f64) -> (f64, f64) {
-    let ((x, y), psi) = (track.position(s), track.heading(s));
-    (x - e_y * psi.sin(), y + e_y * psi.cos())
-}
-
+/// SVG has y downwards.
 fn d(points: &[(f64, f64)]) -> String {
-    let mut d = String::new();
-    for (i, (x, y)) in points.iter().enumerate() {
-        let _ = write!(d, "{}{x:.2} {:.2}", if i == 0 { 'M' } else { 'L' }, -y);
-    }
-    d
+    path(points.iter().map(|(x, y)| (*x, -y)), 2)
 }
