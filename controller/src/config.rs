@@ -300,6 +300,17 @@ impl Config {
         config.checked()
     }
 
+    /// What two configurations must agree in to be the same for learned data and for both ends of a
+    /// network: all but the seed of the warm-up laps, as another seed is another trial of the same,
+    /// and the leave to drive back by itself, which changes nothing that is learned.
+    #[must_use]
+    pub fn identity(&self) -> Self {
+        let mut config = self.clone();
+        config.warm_up.seed = 0;
+        config.recovery.active = false;
+        config
+    }
+
     /// The configuration itself, if every value is allowed.
     ///
     /// # Errors

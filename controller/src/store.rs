@@ -35,12 +35,7 @@ pub(crate) struct Identity {
 
 impl Identity {
     pub(crate) fn new(car: u64, track: u64, config: &Config) -> Self {
-        let mut config = config.clone();
-        // Another seed is another trial of the same thing.
-        config.warm_up.seed = 0;
-        // Whether the car may drive back by itself does not change what its data say.
-        config.recovery.active = false;
-        Self { car, track, config: toml::to_string(&config).unwrap_or_default() }
+        Self { car, track, config: toml::to_string(&config.identity()).unwrap_or_default() }
     }
 
     /// Refuses data that belong to something else.

@@ -36,6 +36,8 @@ fn controller() -> Controller {
     let track = Arc::new(Track::builtin("l").unwrap());
     let mut config = Config::derived(controller::Preset::Race, &nominal, &track);
     config.warm_up.laps = 1;
+    // As `lmpc serve` without --recover.
+    config.recovery.active = false;
     Controller::new(config, nominal, track).unwrap()
 }
 

@@ -19,14 +19,11 @@ pub fn car_id(car: &CarParams) -> i64 {
     crc::id(car.fingerprint())
 }
 
-/// What both ends call a configuration: the CRC-32 of all its values but the seed of the warm-up
-/// laps. \[-\]
+/// What both ends call a configuration: the CRC-32 of the values of its [`Config::identity`]. \[-\]
 #[must_use]
 pub fn config_id(config: &Config) -> i64 {
-    let mut config = config.clone();
-    config.warm_up.seed = 0;
     // Numbers and words alone: there is nothing that does not serialise.
-    crc::of(&serde_json::to_vec(&config).unwrap_or_default()).into()
+    crc::of(&serde_json::to_vec(&config.identity()).unwrap_or_default()).into()
 }
 
 /// Nanoseconds of a time in seconds.

@@ -209,6 +209,9 @@ pub struct ReplayArgs {
     /// Seed of the noise in the warm-up laps
     #[arg(long, default_value_t = 0, value_name = "SEED")]
     pub seed: u64,
+    /// The drive was one of `lmpc serve --recover`
+    #[arg(long)]
+    pub recover: bool,
     /// Learned data the drive began with
     #[arg(long, value_name = "FILE")]
     pub load: Option<PathBuf>,

@@ -24,6 +24,7 @@ use hosting::rule::FailureRule;
 use hosting::shutdown::{self, Shutdown};
 use hosting::{learned, load};
 use protocol::convert;
+use racing::RaceOptions;
 use racing::words::kind_word;
 use safety::Setup;
 use services::car::{Car, CarOptions, Drive};
@@ -46,12 +47,8 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Serves until Ctrl-C.
 pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0, talk)?;
-    let mut config = options.config;
-    config.warm_up.seed = args.seed;
-    // On a real car only with the operator's leave.
-    config.recovery.active = args.recover;
-    let period = config.horizon.period;
-    let mut controller = Controller::new(config, options.nominal, options.track)?;
+    let period = options.config.horizon.period;
+    let mut controller = service_controller(options, args.seed, args.recover)?;
     let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));
     let store = match &args.learned {
         Some(path) => Some(Store::open(path, &mut controller, warn)?),
@@ -210,9 +207,7 @@ pub(super) fn record(args: &RecordArgs, talk: Talk) -> Result<Outcome> {
 /// Replays a log.
 pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let options = setup::race(&args.controller, 0, Talk { quiet: true })?;
-    let mut config = options.config;
-    config.warm_up.seed = args.seed;
-    let mut controller = Controller::new(config, options.nominal, options.track)?;
+    let mut controller = service_controller(options, args.seed, args.recover)?;
     if let Some(path) = &args.load {
         learned::load(path, &mut controller)?;
     }
@@ -256,6 +251,15 @@ fn account(drive: &Drive, talk: Talk) {
 
 /// A network, what a person should know about it, and its key if it has one.
 type Connected = (Arc<dyn Transport>, Vec<String>, Option<Seal>);
+
+/// The controller of a service, and of its replay: on a real car it drives back to the line by itself
+/// only with the operator's leave.
+fn service_controller(options: RaceOptions, seed: u64, recover: bool) -> Result<Controller> {
+    let mut config = options.config;
+    config.warm_up.seed = seed;
+    config.recovery.active = recover;
+    Ok(Controller::new(config, options.nominal, options.track)?)
+}
 
 /// The network of the command line, behind its key if that names one.
 pub(super) fn connect(args: &NetworkArgs, fifo: bool) -> Result<Connected> {
