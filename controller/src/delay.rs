@@ -67,7 +67,7 @@ impl Controller {
         }
         trial.count += 1.0;
         for (u, squares) in trial.inputs.iter().rev().zip(&mut trial.squares) {
-            let next = model.next(last, u, track.kappa_along());
+            let next = model.next(last, u, track.road());
             let residual = [now.v_x - next.v_x, now.v_y - next.v_y, now.omega_z - next.omega_z];
             for (sum, r) in squares.iter_mut().zip(residual) {
                 *sum += r * r;

@@ -27,7 +27,9 @@ impl Controller {
         self.weigh_ridge();
         let nominal = &self.setup.config.nominal;
         if nominal.adapt_grip && nominal.model == NominalModel::Dynamic {
-            let laps = self.memory.dataset.laps.iter().rev();
+            // A driver's laps are too slow and their noise is unknown: they say little of grip.
+            let own = |lap: &&Arc<Lap>| lap.result.kind != LapKind::Driven;
+            let laps = self.memory.dataset.laps.iter().rev().filter(own);
             let recent = laps.flat_map(|lap| lap.samples.iter().rev()).take(grip::SAMPLES);
             let fitted = {
                 let (filter, estimate) = (&self.setup.filter, &self.memory.estimate);
