@@ -193,7 +193,8 @@ fn check_finds_everything_at_once() {
     let problems = checked[0]["problems"].as_array().unwrap();
     let lines: Vec<u64> = problems.iter().map(|p| p["line"].as_u64().unwrap()).collect();
     assert_eq!(lines, [3, 4, 5, 7, 8, 10, 11, 12], "{problems:#?}");
-    assert!(problems[0]["message"].as_str().unwrap().contains("substeps"), "names what is allowed");
+    let nearest = problems[0]["message"].as_str().unwrap();
+    assert!(nearest.contains("nearest known one is `steps`"), "{nearest}");
     assert!(problems[2]["message"].as_str().unwrap().contains("1 to 200"));
 
     let car = folder.file(
@@ -207,7 +208,7 @@ fn check_finds_everything_at_once() {
         "heavy",
         "line 2: l_f_m",
         "line 3",
-        "[tyre_front]: missing field `c`",
+        "tyre_front.c: found none, expected the shape factor C",
         "`l_r_m`",
     ] {
         assert!(found.contains(part), "{part}: {found}");

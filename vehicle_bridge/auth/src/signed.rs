@@ -63,7 +63,7 @@ pub struct Signed {
     _worker: Worker,
 }
 
-/// What life signs say of a [`Signed`] network.
+/// What heartbeats say of a [`Signed`] network.
 #[derive(Clone)]
 pub struct Seal(Arc<Shared>);
 
@@ -111,7 +111,7 @@ impl Signed {
         Ok(Self { shared, _worker: worker })
     }
 
-    /// For life signs.
+    /// For heartbeats.
     #[must_use]
     pub fn seal(&self) -> Seal {
         Seal(Arc::clone(&self.shared))

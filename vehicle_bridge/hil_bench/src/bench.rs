@@ -101,7 +101,7 @@ pub struct Scenario {
     /// Who commands the car.
     #[serde(default)]
     pub source: Source,
-    /// Speed the light source drives at. \[m/s\]
+    /// Speed the reference driver drives at. \[m/s\]
     #[serde(default = "two")]
     pub speed_mps: f64,
     /// When the faults begin to count; unless given, at 1 m/s after 0.8 s.

@@ -1,4 +1,4 @@
-//! The light source and the operator: commands and orders by the real protocol.
+//! The reference driver and the operator: commands and orders by the real protocol.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

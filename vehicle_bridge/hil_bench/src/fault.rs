@@ -185,9 +185,9 @@ pub enum Action {
     },
     /// The message type's fingerprint is another one, as of an old version.
     Fingerprint {},
-    /// The light source starts again without a gap: other boot id, numbers from 0, no grant.
+    /// The reference driver starts again without a gap: other boot id, numbers from 0, no grant.
     SourceRestart {},
-    /// The light source is silent.
+    /// The reference driver is silent.
     SourceSilent {},
     /// SIGKILL.
     Kill {

@@ -140,13 +140,13 @@ impl Bridge {
         self
     }
 
-    /// Gives signs of life to the service manager and to a relay.
+    /// Notifies the service manager and a relay that the loop runs.
     #[must_use]
     pub fn with_watchdog(self, watchdog: Watchdog) -> Self {
         Self { watchdog: Some(watchdog), ..self }
     }
 
-    /// Tells in every life sign what was refused for want of a signature.
+    /// Counts for every heartbeat what was refused for want of a signature.
     #[must_use]
     pub fn with_seal(self, seal: Option<Seal>) -> Self {
         self.pulse.update(|health| health.detail.seal = seal);

@@ -49,7 +49,7 @@ pub struct ServiceOptions {
     pub setup: lcm_types::Setup,
     /// The log behind the network; what it loses is in every heartbeat too.
     pub log: Option<Log>,
-    /// The key before the network; what it refused is in every life sign too.
+    /// The key before the network; what it refused is in every heartbeat too.
     pub seal: Option<Seal>,
     /// For the bench: steps that take longer.
     pub overrun: Option<Overrun>,

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result};
 use sd_notify::NotifyState;
 
-/// The signs of life.
+/// Notifications to the service manager and to a relay.
 #[derive(Debug)]
 pub struct Watchdog {
     /// Time between two signs to the service manager; `None` where it wants none.

@@ -93,7 +93,7 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// The network with the black box behind it. A bridge without one drives all the same, and says so
-/// in every life sign.
+/// in every heartbeat.
 fn black_box(
     network: Arc<dyn Transport>,
     args: &BridgeArgs,

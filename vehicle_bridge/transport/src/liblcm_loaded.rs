@@ -17,6 +17,7 @@ const FILE: &str = "liblcm.so.1";
 macro_rules! forward {
     ($($name:ident($($arg:ident: $type:ty),*) -> $result:ty, $absent:expr;)*) => {
         struct Functions {
+            // SAFETY: types alone, as lcm.h declares them; each call has its own note.
             $($name: unsafe extern "C" fn($($type),*) -> $result,)*
             /// Unloading it would leave the functions behind.
             _library: Library,
