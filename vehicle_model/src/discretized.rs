@@ -140,11 +140,12 @@ impl Discretized {
         match self.model.kind {
             ModelKind::Dynamic => {
                 let (substeps, h) = self.grid();
-                (0..substeps).fold(*x, |x, _| {
-                    runge_kutta_4(&x, h, &|x: &[T; NX], _| {
-                        self.model.rates_along(x, &u, road, grip)
-                    })
-                })
+                let system = Dynamics { model: &self.model, held: &u, grip, road };
+                let mut x = *x;
+                for _ in 0..substeps {
+                    x = runge_kutta_4(&x, h, &system);
+                }
+                x
             }
             ModelKind::Kinematic => self.kinematic_step(x, &u, road),
         }
@@ -185,6 +186,25 @@ impl Discretized {
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]
+    }
+}
+
+/// The dynamic model on any road. A closure would be compiled apart from the vector instructions
+/// around it: slow, and larger than all the rest of the program.
+struct Dynamics<'a, T, R> {
+    model: &'a Model,
+    held: &'a Held<T>,
+    grip: &'a [T; 2],
+    road: &'a R,
+}
+
+impl<T: Number, R: Road> Rates<T, NX> for Dynamics<'_, T, R> {
+    #[inline(always)]
+    fn rates(&self, x: &[T; NX], _: f64, stage: &mut Stage<T, NX>) {
+        let rates = self.model.rates_along(x, self.held, self.road, self.grip);
+        for (i, rate) in rates.into_iter().enumerate() {
+            stage.take(i, rate);
+        }
     }
 }
 
