@@ -76,8 +76,10 @@ pub struct Fhocp {
     pub x_0: Vector6<f64>,
     /// Input before the first, u_{-1}.
     pub u_prev: Vector2<f64>,
-    /// Model of each stage, N.
+    /// Model of each stage in terms of its mean input, N.
     pub model: Vec<Affine>,
+    /// Share of u_{t-1} in the mean input of stage t, the rest being u_t; 0 without actuator lag.
+    pub lag: f64,
     /// Weight c_u of each squared input.
     pub input_cost: Vector2<f64>,
     /// Weight r of each squared difference of successive inputs.
@@ -128,6 +130,7 @@ impl Fhocp {
             x_0: Vector6::zeros(),
             u_prev: Vector2::zeros(),
             model: vec![Affine::default(); horizon],
+            lag: 0.0,
             input_cost: Vector2::zeros(),
             rate_cost: Vector2::zeros(),
             u_min: Vector2::repeat(-1.0),
@@ -155,6 +158,21 @@ impl Fhocp {
     #[must_use]
     pub fn horizon(&self) -> usize {
         self.model.len()
+    }
+
+    /// State after stage t from x_t, u_t and the input before it.
+    #[must_use]
+    pub fn next(
+        &self,
+        t: usize,
+        x: &Vector6<f64>,
+        u: &Vector2<f64>,
+        before: &Vector2<f64>,
+    ) -> Vector6<f64> {
+        if self.lag == 0.0 {
+            return self.model[t].apply(x, u);
+        }
+        self.model[t].apply(x, &(u * (1.0 - self.lag) + before * self.lag))
     }
 
     /// Whether every number that reaches a solver is finite (infinite bounds apart).

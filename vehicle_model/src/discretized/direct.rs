@@ -29,7 +29,7 @@ impl Sensitivities for Direct<'_> {
             By::Grip => (u.map(Dual::fixed), parameters(grip)),
         };
         let state = std::array::from_fn(|i| Dual::direction(x[i], i));
-        self.step.step(&state, &u, &grip, self.road)
+        self.step.step::<_, true>(&state, &u, &grip, self.road)
     }
 
     fn unpack<T: Real>(
