@@ -226,7 +226,7 @@ impl Controller {
     }
 
     /// Brings samples into the regression data.
-    fn take_data(&mut self, piece: usize) {
+    fn take_data(&mut self, mut piece: usize) {
         let laps = &self.memory.dataset.laps;
         let work = &mut self.memory.lap_end;
         while work.lap < work.laps {
@@ -234,12 +234,16 @@ impl Controller {
             if work.at < lap.samples.len() {
                 let range = work.at..(work.at + piece).min(lap.samples.len());
                 work.done += range.len();
+                piece -= range.len();
                 work.at = range.end;
                 let data = work.data.as_mut().unwrap_or(&mut self.memory.derived.regression);
                 // A snapshot that shares them keeps its own.
                 let memory = (&mut work.points, &mut work.targets);
                 self.setup.add(Arc::make_mut(data), lap, range, work.grip, memory);
-                return;
+                if piece == 0 {
+                    return;
+                }
+                continue;
             }
             (work.lap, work.at) = (work.lap + 1, 0);
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Derived, Stage};
+use super::{Derived, LapEnd, Stage};
 use crate::controller::Controller;
 use crate::learning::regression::RegressionData;
 
@@ -18,14 +18,14 @@ impl Controller {
         if learned > 0 {
             self.make_envelope();
         }
-        if self.memory.lap_end.stage != Stage::Data {
+        let LapEnd { stage, lap, at, grip, .. } = self.memory.lap_end;
+        if !matches!(stage, Stage::Data | Stage::Envelope) {
             return;
         }
-        let (lap, at, grip) =
-            (self.memory.lap_end.lap, self.memory.lap_end.at, self.memory.lap_end.grip);
         self.begin_data();
-        let begun = self.memory.lap_end.lap;
-        (self.memory.lap_end.lap, self.memory.lap_end.at) = (lap, at);
+        let work = &mut self.memory.lap_end;
+        let begun = work.lap;
+        (work.stage, work.lap, work.at) = (stage, lap, at);
         let mut growing = self.memory.lap_end.data.take();
         let data = growing.as_mut().unwrap_or(&mut self.memory.derived.regression);
         let mut data = std::mem::take(data);

@@ -82,7 +82,7 @@ impl Fit {
         (self.grip, self.round) = (grip, 0);
     }
 
-    /// Linearises `piece` more samples, or solves; gives the number of samples, and the factors
+    /// Linearises `piece` more samples, and solves after the last; gives the number of samples, and the factors
     /// [front, rear] when they are found.
     pub(crate) fn advance(
         &mut self,
@@ -92,9 +92,6 @@ impl Fit {
     ) -> (usize, Option<[f64; 2]>) {
         let begin = self.rows.len() / 3;
         let points = &self.points[begin..(begin + piece).min(self.points.len())];
-        if points.is_empty() {
-            return (0, self.solve());
-        }
         let mut model = model.clone();
         model.model.grip = self.grip;
         let (rows, measured, scales) = (&mut self.rows, &self.measured[begin..], &self.scales);
@@ -107,7 +104,8 @@ impl Fit {
                 rows.push(if known { scaled } else { [0.0; 3] });
             }
         });
-        (points.len(), None)
+        let done = points.len();
+        (done, if begin + done == self.points.len() { self.solve() } else { None })
     }
 
     /// The factors, or none yet: then the model is to be linearised anew.
