@@ -11,7 +11,7 @@ use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use direct::Direct;
 use variation::Variation;
-use velocities::{AnyRoad, ByGrip, Velocities};
+use velocities::{ByGrip, Velocities};
 
 use crate::model::{
     Held, Model, ModelKind, PoseConvention, Terrain, ground, pose_rates, state_array,
@@ -51,13 +51,22 @@ pub struct Linearization {
 impl Discretized {
     /// State after one control step; s is not wrapped.
     pub fn next(&self, x: &State, u: &Input, road: impl Road) -> State {
-        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, &road);
+        self.next_on(x, u, &road)
+    }
+
+    // With a road of any kind these are compiled once, and not by every crate that calls them.
+    fn next_on(&self, x: &State, u: &Input, road: &dyn Road) -> State {
+        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, road);
         State::from_vector(&Vector6::from(next))
     }
 
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, road: impl Road) -> Linearization {
-        let (step, road) = (self, &road);
+        self.linearize_on(x, u, &road)
+    }
+
+    fn linearize_on(&self, x: &State, u: &Input, road: &dyn Road) -> Linearization {
+        let step = self;
         if self.varies(road) {
             sensitivity::from_one(&Variation { step, road }, x, u)
         } else {
@@ -66,7 +75,7 @@ impl Discretized {
     }
 
     /// Whether the variational equations fall into the small blocks that they are written for.
-    fn varies(&self, road: &impl Road) -> bool {
+    fn varies(&self, road: &dyn Road) -> bool {
         road.is_flat() && self.model.kind == ModelKind::Dynamic
     }
 
@@ -78,11 +87,20 @@ impl Discretized {
         road: impl Road,
         mut found: impl FnMut(usize, Linearization),
     ) {
-        let (step, road) = (self, &road);
+        self.linearize_all_on(points, &road, &mut found);
+    }
+
+    fn linearize_all_on(
+        &self,
+        points: &[(State, Input)],
+        road: &dyn Road,
+        found: &mut dyn FnMut(usize, Linearization),
+    ) {
+        let step = self;
         if self.varies(road) {
-            sensitivity::from_all(&Variation { step, road }, points, &mut found);
+            sensitivity::from_all(&Variation { step, road }, points, found);
         } else {
-            sensitivity::from_all(&Direct { step, road }, points, &mut found);
+            sensitivity::from_all(&Direct { step, road }, points, found);
         }
     }
 
@@ -94,8 +112,8 @@ impl Discretized {
         road: &dyn Road,
         found: &mut dyn FnMut(usize, [f64; 3]),
     ) {
-        let of = Velocities { step: self, road: AnyRoad(road) };
-        sensitivity::from_all(&of, points, &mut |i, next| found(i, next));
+        let of = Velocities { step: self, road };
+        sensitivity::from_all(&of, points, found);
     }
 
     /// [`Discretized::velocities_all`] with the Jacobian of each row by the grip factors of the front
@@ -106,7 +124,7 @@ impl Discretized {
         road: &dyn Road,
         found: &mut dyn FnMut(usize, [f64; 3], [[f64; 2]; 3]),
     ) {
-        let of = ByGrip { step: self, road: AnyRoad(road) };
+        let of = ByGrip { step: self, road };
         sensitivity::from_all(&of, points, &mut |i, (next, jacobian)| found(i, next, jacobian));
     }
 
@@ -119,13 +137,7 @@ impl Discretized {
     }
 
     #[inline(always)]
-    fn step<T: Number>(
-        &self,
-        x: &[T; NX],
-        u: &[T; NU],
-        grip: &[T; 2],
-        road: &impl Road,
-    ) -> [T; NX] {
+    fn step<T: Number>(&self, x: &[T; NX], u: &[T; NU], grip: &[T; 2], road: &dyn Road) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
             ModelKind::Dynamic => {
@@ -144,7 +156,7 @@ impl Discretized {
     /// Velocity rows jump to their new values, with gravity along the car at the start of the step;
     /// pose rows are integrated along the velocities of the pose convention.
     #[inline(always)]
-    fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &impl Road) -> [T; NX] {
+    fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &dyn Road) -> [T; NX] {
         let (substeps, h) = self.grid();
         let (measured, start) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
         let on_road = |v: &[T; 3], pose: &[T; 3]| {
@@ -181,14 +193,14 @@ impl Discretized {
 
 /// The dynamic model on any road. A closure would be compiled apart from the vector instructions
 /// around it: slow, and larger than all the rest of the program.
-struct Dynamics<'a, T, R> {
+struct Dynamics<'a, T> {
     model: &'a Model,
     held: &'a Held<T>,
     grip: &'a [T; 2],
-    road: &'a R,
+    road: &'a dyn Road,
 }
 
-impl<T: Number, R: Road> Rates<T, NX> for Dynamics<'_, T, R> {
+impl<T: Number> Rates<T, NX> for Dynamics<'_, T> {
     #[inline(always)]
     fn rates(&self, x: &[T; NX], _: f64, stage: &mut Stage<T, NX>) {
         let rates = self.model.rates_along(x, self.held, self.road, self.grip);

@@ -11,12 +11,12 @@ use crate::road::Road;
 use crate::state::{NU, NX};
 
 /// Directions are the state and the input.
-pub(super) struct Direct<'a, R> {
+pub(super) struct Direct<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) road: &'a R,
+    pub(super) road: &'a dyn Road,
 }
 
-impl<R: Road> AlongStep for Direct<'_, R> {
+impl AlongStep for Direct<'_> {
     type Found<T: Real> = [Dual<T, DIRECTIONS>; NX];
     type Out = Linearization;
 

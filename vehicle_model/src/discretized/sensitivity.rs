@@ -30,18 +30,18 @@ pub(super) fn from_one<S: AlongStep>(of: &S, x: &State, u: &Input) -> S::Out {
 pub(super) fn from_all<S: AlongStep>(
     of: &S,
     points: &[(State, Input)],
-    found: &mut impl FnMut(usize, S::Out),
+    found: &mut dyn FnMut(usize, S::Out),
 ) {
     Arch::new().dispatch(Task { of, points, found });
 }
 
-struct Task<'a, D, F> {
+struct Task<'a, D: AlongStep> {
     of: &'a D,
     points: &'a [(State, Input)],
-    found: &'a mut F,
+    found: &'a mut dyn FnMut(usize, D::Out),
 }
 
-impl<D: AlongStep, F: FnMut(usize, D::Out)> WithSimd for Task<'_, D, F> {
+impl<D: AlongStep> WithSimd for Task<'_, D> {
     type Output = ();
 
     #[inline(always)]

@@ -31,12 +31,12 @@ const Q: usize = P + 3 * N;
 const ALL: usize = Q + 3 * POSE.len();
 
 /// The Jacobians of a step on a flat road by the variational equations.
-pub(super) struct Variation<'a, R> {
+pub(super) struct Variation<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) road: &'a R,
+    pub(super) road: &'a dyn Road,
 }
 
-impl<R: Road> AlongStep for Variation<'_, R> {
+impl AlongStep for Variation<'_> {
     type Found<T: Real> = [T; ALL];
     type Out = Linearization;
 
@@ -52,7 +52,7 @@ impl<R: Road> AlongStep for Variation<'_, R> {
 
 /// State, V, P and Q after the step.
 #[inline(always)]
-fn integrate<T: Real>(step: &Discretized, x: &[T; NX], u: [T; NU], road: &impl Road) -> [T; ALL] {
+fn integrate<T: Real>(step: &Discretized, x: &[T; NX], u: [T; NU], road: &dyn Road) -> [T; ALL] {
     let mut y = [x[0].constant(0.0); ALL];
     y[..NX].copy_from_slice(x);
     let one = x[0].constant(1.0);
@@ -91,23 +91,23 @@ fn unpack(y: impl Fn(usize) -> f64) -> Linearization {
 
 /// State, V, P and Q as a system of differential equations. A closure would be compiled apart from
 /// the vector instructions around it.
-struct System<'a, T, K> {
+struct System<'a, T> {
     step: &'a Discretized,
     held: Held<Dual<T, N>>,
     grip: [Dual<T, N>; 2],
-    road: &'a K,
+    road: &'a dyn Road,
 }
 
-impl<'a, T: Real, K> System<'a, T, K> {
+impl<'a, T: Real> System<'a, T> {
     #[inline(always)]
-    fn new(step: &'a Discretized, u: [T; NU], road: &'a K) -> Self {
+    fn new(step: &'a Discretized, u: [T; NU], road: &'a dyn Road) -> Self {
         let grip = step.model.grip.map(|grip| Dual::fixed(u[0].constant(grip)));
         let u = [Dual::direction(u[0], 3), Dual::direction(u[1], 4)];
         Self { step, held: Held::new(&u), grip, road }
     }
 }
 
-impl<T: Real, K: Road> Rates<T, ALL> for System<'_, T, K> {
+impl<T: Real> Rates<T, ALL> for System<'_, T> {
     #[inline(always)]
     fn rates(&self, y: &[T; ALL], _: f64, stage: &mut Stage<T, ALL>) {
         let seed = Dual::<T, N>::direction;

@@ -5,13 +5,13 @@ use super::sensitivity::AlongStep;
 use super::{Discretized, Rates, Stage, runge_kutta_4};
 use crate::model::{Held, Model};
 use crate::number::{Dual, Number, Real};
-use crate::road::{Road, Surface};
+use crate::road::Road;
 use crate::state::{NU, NX};
 
 /// Velocities one step later, [v_x, v_y, omega_z].
 pub(super) struct Velocities<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) road: AnyRoad<'a>,
+    pub(super) road: &'a dyn Road,
 }
 
 impl AlongStep for Velocities<'_> {
@@ -21,7 +21,7 @@ impl AlongStep for Velocities<'_> {
     #[inline(always)]
     fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> [T; 3] {
         let grip = self.step.model.grip.map(|grip| u[0].constant(grip));
-        velocities(self.step, x, &u, &grip, &self.road)
+        velocities(self.step, x, &u, &grip, self.road)
     }
 
     fn unpack<T: Real>(found: &[T; 3], value: impl Fn(T) -> f64) -> [f64; 3] {
@@ -32,7 +32,7 @@ impl AlongStep for Velocities<'_> {
 /// The same with their Jacobian by the grip of the front and the rear axle.
 pub(super) struct ByGrip<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) road: AnyRoad<'a>,
+    pub(super) road: &'a dyn Road,
 }
 
 impl AlongStep for ByGrip<'_> {
@@ -43,7 +43,7 @@ impl AlongStep for ByGrip<'_> {
     fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> [Dual<T, 2>; 3] {
         let factors = self.step.model.grip;
         let grip = std::array::from_fn(|i| Dual::direction(u[0].constant(factors[i]), i));
-        velocities(self.step, &x.map(Dual::fixed), &u.map(Dual::fixed), &grip, &self.road)
+        velocities(self.step, &x.map(Dual::fixed), &u.map(Dual::fixed), &grip, self.road)
     }
 
     fn unpack<T: Real>(found: &[Dual<T, 2>; 3], value: impl Fn(T) -> f64) -> Self::Out {
@@ -58,7 +58,7 @@ fn velocities<T: Number>(
     x: &[T; NX],
     u: &[T; NU],
     grip: &[T; 2],
-    road: &AnyRoad<'_>,
+    road: &dyn Road,
 ) -> [T; 3] {
     if !step.varies(road) {
         let [v_x, v_y, omega_z, ..] = step.step(x, u, grip, road);
@@ -87,22 +87,5 @@ impl<T: Number> Rates<T, 3> for OnTheFlat<'_, T> {
         for (i, rate) in rates.into_iter().enumerate() {
             stage.take(i, rate);
         }
-    }
-}
-
-/// Any road, so that all of them share one compiled program.
-pub(super) struct AnyRoad<'a>(pub(super) &'a dyn Road);
-
-impl Road for AnyRoad<'_> {
-    fn kappa(&self, s: f64) -> f64 {
-        self.0.kappa(s)
-    }
-
-    fn is_flat(&self) -> bool {
-        self.0.is_flat()
-    }
-
-    fn surface(&self, s: f64) -> Surface {
-        self.0.surface(s)
     }
 }
