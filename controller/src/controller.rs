@@ -144,8 +144,8 @@ impl Controller {
         Some(Prediction { a: nominal.a, next })
     }
 
-    /// What can be done before the next measurement: lap-end learning, and the preparation of
-    /// the next problem. Hosts with time between steps call it there; otherwise the next step
+    /// What can be done before the next measurement: a piece of the learning from closed laps, and
+    /// the preparation of the next problem. Hosts with time between steps call it there; otherwise the next step
     /// begins with it, with the same result.
     pub fn prepare(&mut self) {
         self.prepare_probed(&mut ());
@@ -157,8 +157,9 @@ impl Controller {
             return;
         }
         self.prepared = true;
-        if self.memory.lap_due {
-            self.learn();
+        if !self.memory.learned_piece {
+            self.memory.learned_piece = true;
+            self.learn_piece();
         }
         if self.memory.plan.is_empty() {
             return;

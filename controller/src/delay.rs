@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::controller::Controller;
+use crate::lap_end::Derived;
 
 /// Candidates: delays of 0 to this many periods less one.
 const CANDIDATES: usize = 6;
@@ -29,6 +30,8 @@ pub(crate) struct DelayTrial {
     count: f64,
     /// Periods found beyond the configured ones.
     found: usize,
+    /// The decision was made.
+    settled: bool,
 }
 
 impl DelayTrial {
@@ -78,6 +81,9 @@ impl Controller {
     /// Uses the delay found: the recorded inputs move to where they acted, and the inputs under way
     /// are queued.
     pub(crate) fn settle_delay(&mut self) {
+        if std::mem::replace(&mut self.memory.delay.settled, true) {
+            return;
+        }
         let found = self.memory.delay.decide();
         self.memory.delay.found = found;
         if found == 0 {
@@ -97,7 +103,8 @@ impl Controller {
         dataset.laps = laps.into_iter().map(Arc::new).collect();
         self.queue_under_way();
         // All residuals are those of other inputs now.
-        self.memory.derived = Arc::default();
+        self.memory.derived = Derived { made: true, ..Derived::default() };
+        self.memory.lap_end.learned = 0;
     }
 
     /// Fills the queue with the inputs that do not act yet.

@@ -31,7 +31,7 @@ impl Controller {
         {
             return input;
         }
-        if !self.memory.learning {
+        if !self.memory.learning || !self.memory.learned {
             return self.warm_up(&seen.state, status);
         }
         if let Some(reason) = self.unfit(&seen.state) {
@@ -200,6 +200,7 @@ impl Controller {
         memory.u_prev = reached;
         memory.command = command;
         memory.shifted = false;
+        memory.learned_piece = false;
         self.prepared = false;
         command
     }

@@ -58,6 +58,7 @@ mod error;
 pub mod fhocp;
 mod filter;
 mod lanes;
+mod lap_end;
 mod learn;
 mod learned_model;
 pub mod learning;

@@ -6,14 +6,14 @@ use std::sync::Arc;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use vehicle_model::{Input, State};
+use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
 use crate::delay::DelayTrial;
 use crate::filter::Estimate;
+use crate::filter::Smoothing;
+use crate::lap_end::{Derived, LapEnd};
 use crate::learning::dataset::{Dataset, Lap};
-use crate::learning::envelope::{Envelope, NearMiss};
-use crate::learning::regression::RegressionData;
 use crate::plan::Plan;
 use crate::recovery::Recovery;
 use crate::status::LapKind;
@@ -28,7 +28,7 @@ pub(crate) struct Memory {
     pub(crate) lap: u32,
     /// Whether the lap in progress is a learning lap.
     pub(crate) learning: bool,
-    /// The initial laps have been learned from.
+    /// The initial laps have been learned from; until then the car goes on as in them.
     pub(crate) learned: bool,
     /// Learning laps completed.
     pub(crate) learned_laps: u32,
@@ -56,8 +56,16 @@ pub(crate) struct Memory {
     pub(crate) query_s: f64,
     /// Input that continues the plan.
     pub(crate) plan_tail: Input,
-    /// A lap was closed and has not been learned from.
-    pub(crate) lap_due: bool,
+    /// Laps of the safe set, best first.
+    pub(crate) selected: Vec<usize>,
+    /// The last closed lap, while it is smoothed.
+    pub(crate) smoothing: Option<Smoothing>,
+    /// What closed laps still require.
+    pub(crate) lap_end: LapEnd,
+    /// A piece of it was done in this period.
+    pub(crate) learned_piece: bool,
+    /// Ridge weight that the noise of the data asks for.
+    pub(crate) ridge: f64,
     /// The car has driven since the controller began.
     pub(crate) underway: bool,
     /// The way back to the line after an incident, while it lasts.
@@ -66,22 +74,7 @@ pub(crate) struct Memory {
     pub(crate) rng: Pcg64,
     /// Made of the rest at lap end.
     #[serde(skip)]
-    pub(crate) derived: Arc<Derived>,
-}
-
-/// What follows from the laps; made anew when they change.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Derived {
-    /// Laps of the safe set.
-    pub(crate) selected: Vec<usize>,
-    pub(crate) regression: RegressionData,
-    pub(crate) envelope: Envelope,
-    /// Near misses of the latest laps.
-    pub(crate) near_misses: Vec<NearMiss>,
-    /// Laps that were searched for them.
-    pub(crate) searched: usize,
-    /// Grip with which their residuals were computed.
-    pub(crate) grip: [f64; 2],
+    pub(crate) derived: Derived,
 }
 
 /// A measurement that was believed.
@@ -112,11 +105,15 @@ impl Memory {
             plan_age: 0,
             query_s: 0.0,
             plan_tail: Input::default(),
-            lap_due: false,
+            selected: Vec::with_capacity(config.safe_set.laps + 1),
+            smoothing: None,
+            lap_end: LapEnd::default(),
+            learned_piece: false,
+            ridge: 0.0,
             underway: false,
             recovery: None,
             rng: Pcg64::seed_from_u64(config.warm_up.seed),
-            derived: Arc::default(),
+            derived: Derived { made: true, ..Derived::default() },
         };
         memory.queue.resize(config.delay.steps, Input::default());
         memory.dataset.current.samples.reserve(4096);
@@ -127,6 +124,22 @@ impl Memory {
     pub(crate) fn initial_laps_done(&self, count: usize) -> bool {
         let driven = |lap: &Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Driven;
         self.dataset.laps.iter().any(driven) || self.valid_laps() >= count
+    }
+
+    /// Smooths so many samples of the last closed lap; gives how many there were.
+    pub(crate) fn smooth(&mut self, most: usize, track: &Track) -> usize {
+        let Some(smoothing) = &mut self.smoothing else { return 0 };
+        let done = smoothing.advance(most, track);
+        if smoothing.done() {
+            if let (Some(smoothing), Some(lap)) =
+                (self.smoothing.take(), self.dataset.laps.last_mut())
+            {
+                let (samples, steps) = smoothing.finish();
+                *lap = Arc::new(Lap { samples, ..(**lap).clone() });
+                self.estimate.spare = steps;
+            }
+        }
+        done
     }
 
     /// Valid initial laps so far.

@@ -4,8 +4,8 @@ use vehicle_model::track::wrap_angle;
 use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
-use crate::filter::{Filter, Prediction, smooth};
-use crate::learning::dataset::Sample;
+use crate::filter::{Filter, Prediction, Smoothing};
+use crate::learning::dataset::{Sample, select};
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
 
@@ -210,18 +210,29 @@ impl Observer<'_> {
         let share = before / (before + state.s);
         let end_time = last.time + share * (time - last.time);
         let kind = if memory.learning { LapKind::Learning } else { LapKind::Warmup };
-        let steps = &mut memory.estimate.steps;
-        smooth(&mut memory.dataset.current.samples, steps, self.track);
-        // The measurement behind the line belongs to the lap that begins.
-        steps.drain(..steps.len().saturating_sub(1));
+        // Of a lap of a few samples only.
+        memory.smooth(usize::MAX, self.track);
         let finished = memory.dataset.close(memory.lap, kind, end_time);
+        self.begin_smoothing(memory);
+        let laps = &memory.dataset.laps;
+        select(&mut memory.selected, laps, laps.len() - 1, &self.config.safe_set);
         if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
             memory.learned_laps += 1;
         }
         memory.lap += 1;
-        memory.learning = memory.initial_laps_done(self.config.warm_up.laps);
-        memory.lap_due = true;
+        memory.learning |= memory.initial_laps_done(self.config.warm_up.laps);
         finished
+    }
+
+    /// Leaves the lap just closed to be smoothed, if it was filtered.
+    fn begin_smoothing(&self, memory: &mut Memory) {
+        let estimate = &mut memory.estimate;
+        let Some(last) = estimate.steps.last().cloned() else { return };
+        let steps = std::mem::replace(&mut estimate.steps, std::mem::take(&mut estimate.spare));
+        // The measurement behind the line belongs to the lap that begins.
+        estimate.steps.push(last);
+        let samples = memory.dataset.laps.last().map(|lap| lap.samples.clone());
+        memory.smoothing = samples.map(|samples| Smoothing::new(samples, steps));
     }
 
     fn record(&self, memory: &mut Memory, time: f64, state: State) {

@@ -120,7 +120,7 @@ impl Workspace {
             period: setup.config.horizon.period,
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
-        self.safe_set.fill(&memory.dataset, &memory.derived.selected, &query, size);
+        self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);
         if self.speed_cap.is_finite() {
             let slowest = self.problem.speed_max.last().copied().unwrap_or(f64::INFINITY);
             self.safe_set.slow_down(slowest, setup.car.l_r);

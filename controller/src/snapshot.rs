@@ -25,11 +25,10 @@ impl Controller {
     /// bit. The caller sees to it that they are the same.
     pub fn resume(&mut self, state: &ControllerState) {
         self.memory = state.memory.clone();
-        self.setup.model.model.grip = self.memory.grip;
-        self.weigh_ridge();
+        self.apply_learned();
         // What follows from the laps is not written with the state.
-        if self.memory.derived.selected.is_empty() && !self.memory.dataset.laps.is_empty() {
-            self.derive();
+        if !self.memory.derived.made {
+            self.restore_derived();
         }
         self.work.solver.restore(state.solver.as_ref());
         self.prepared = false;

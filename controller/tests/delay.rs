@@ -28,7 +28,7 @@ fn found(car: &CarParams, nominal_mu: f64, periods: usize, noise: f64) -> usize 
         let command = controller.step(&measurement);
         plant.apply(command.input, period);
         if controller.laps().len() == laps {
-            controller.prepare();
+            controller.finish_learning();
             let saved = controller.save();
             let delay = controller.delay();
             controller.load(&saved).unwrap();

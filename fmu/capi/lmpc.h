@@ -2,7 +2,8 @@
  * needs comes from memory. SI units and radians; x forward, y left, angles positive to the left.
  *
  * A step allocates nothing once the first learned lap is driven, except at the end of a lap, where
- * the lap is kept. Saving a state allocates. One controller belongs to one thread at a time; several
+ * the lap is kept, and in some of the steps after it, a few dozen at most, which learn from it piece
+ * by piece. Saving a state allocates. One controller belongs to one thread at a time; several
  * are independent. Every function may be called in any floating-point state of the processor and
  * leaves it as it was. A thread needs 64 KiB of stack.
  */

@@ -64,6 +64,9 @@ pub trait Model: Send + Sized + 'static {
     /// [`Fault::Failed`] if the model cannot go on.
     fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault>;
 
+    /// The simulation ends.
+    fn end(&mut self, _io: &mut Io<'_>) {}
+
     /// The state now.
     fn state(&self) -> Self::State;
 

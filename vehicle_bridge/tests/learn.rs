@@ -10,7 +10,9 @@ use std::time::Duration;
 
 use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::eventlog::Writer;
-use lcm_types::{ActuationCommand, ActuationReport, Checked as _, Header, VehicleState, channels};
+use lcm_types::{
+    ActuationCommand, ActuationReport, Checked as _, Header, LapResult, VehicleState, channels,
+};
 use protocol::outlet::{Identity, Outlet};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};
@@ -194,8 +196,13 @@ fn learn_and_race(folder: &Path, file: &Path, more: &[&str]) -> (String, Vec<f64
 
 #[test]
 fn the_first_learned_lap_is_faster_than_the_drivers_best() {
+    [2.2, 2.6].into_iter().for_each(first_lap_after);
+}
+
+/// A driver at this speed, and what is learned from him.
+fn first_lap_after(speed: f64) {
     let folder = tempfile::tempdir().unwrap();
-    let rows = drive(20, 2.2, SensorNoise::laboratory());
+    let rows = drive(20, speed, SensorNoise::laboratory());
     let log = folder.path().join("drive.log");
     write_log(&log, &rows);
     for more in [&[][..], &["--inputs", "reckoned"]] {
@@ -274,6 +281,43 @@ fn twenty_laps_over_lcm_recorded_by_the_official_logger() {
             .collect();
         let best = driven.iter().copied().fold(f64::INFINITY, f64::min);
         assert!(times[0] < best, "{times:?} after {best}");
+    });
+}
+
+/// `lmpc serve` goes on from a driver's laps with no warm-up laps of its own, and keeps its own laps
+/// beside them.
+#[test]
+fn serve_goes_on_from_a_drivers_laps() {
+    isolated("serve_goes_on_from_a_drivers_laps", MULTICAST, URL, || {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = drive(8, 2.2, SensorNoise::laboratory());
+        let (log, file) = (folder.path().join("drive.log"), folder.path().join("learned.lmpc"));
+        write_log(&log, &rows);
+        let [log, learned] = [log, file.clone()].map(|path| path.display().to_string());
+        assert!(lmpc(&["learn", &log, "--out", &learned]).status.success());
+        let driven = std::fs::metadata(&file).unwrap().len();
+
+        let network = transport::open(URL, None).unwrap();
+        let (any, laps) = (Inbox::queue(1000), Inbox::queue(1000));
+        network.subscribe(Filter::All, any.sink()).unwrap();
+        network.subscribe(Filter::channel(channels::LAP), laps.sink()).unwrap();
+        let mut service = Program::start(&["serve", "--url", URL, "--learned", &learned]);
+        assert!(any.wait(Duration::from_secs(60)).is_some(), "a heartbeat of `lmpc serve`");
+        let plant = ["--plant", "noise=0.001", "--laps", "4", "--url", URL];
+        let mut car = Program::start(&[&["vehicle", "sim", "--lock-step"][..], &plant].concat());
+        assert!(car.0.wait().unwrap().success(), "four laps");
+        let pid = service.0.id().to_string();
+        Command::new("kill").args(["-INT", &pid]).status().unwrap();
+        assert!(service.0.wait().unwrap().success());
+        let laps: Vec<LapResult> = std::iter::from_fn(|| laps.take())
+            .map(|received| LapResult::open(&received.payload).unwrap())
+            .collect();
+        let times: Vec<f64> = laps.iter().map(|lap| lap.lap_time).collect();
+        println!("driver {:.3}, then {times:?}", best(&rows));
+        assert!(times.len() >= 3, "{times:?}");
+        assert!(times.iter().all(|time| *time < best(&rows)), "{times:?} after {}", best(&rows));
+        assert!(laps.iter().all(|lap| lap.valid && lap.store_key == learned), "{laps:?}");
+        assert!(std::fs::metadata(&file).unwrap().len() > driven, "its own laps are kept");
     });
 }
 

@@ -5,12 +5,13 @@ mod direct;
 mod oracle;
 mod sensitivity;
 mod variation;
+mod velocities;
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use direct::Direct;
-use sensitivity::By;
 use variation::Variation;
+use velocities::{ByGrip, Velocities};
 
 use crate::model::{
     Held, Model, ModelKind, PoseConvention, Terrain, ground, pose_rates, state_array,
@@ -65,11 +66,11 @@ impl Discretized {
     }
 
     fn linearize_on(&self, x: &State, u: &Input, road: &dyn Road) -> Linearization {
-        let (step, by) = (self, By::Input);
+        let step = self;
         if self.varies(road) {
-            sensitivity::linearize(&Variation { step, by, road }, x, u)
+            sensitivity::from_one(&Variation { step, road }, x, u)
         } else {
-            sensitivity::linearize(&Direct { step, by, road }, x, u)
+            sensitivity::from_one(&Direct { step, road }, x, u)
         }
     }
 
@@ -86,46 +87,45 @@ impl Discretized {
         road: impl Road,
         mut found: impl FnMut(usize, Linearization),
     ) {
-        self.linearize_by(By::Input, points, &road, &mut found);
+        self.linearize_all_on(points, &road, &mut found);
     }
 
-    fn linearize_by(
+    fn linearize_all_on(
         &self,
-        by: By,
         points: &[(State, Input)],
         road: &dyn Road,
         found: &mut dyn FnMut(usize, Linearization),
     ) {
         let step = self;
         if self.varies(road) {
-            sensitivity::linearize_all(&Variation { step, by, road }, points, found);
+            sensitivity::from_all(&Variation { step, road }, points, found);
         } else {
-            sensitivity::linearize_all(&Direct { step, by, road }, points, found);
+            sensitivity::from_all(&Direct { step, road }, points, found);
         }
     }
 
-    /// State after one control step from every point and its Jacobian by the grip factors of the
-    /// front and rear axle: what a least-squares fit of the friction needs. Several points at once,
-    /// as [`Discretized::linearize_all`].
+    /// Velocities [v_x, v_y, omega_z] one control step after every point, to the last bit those of
+    /// [`Discretized::next`]; `found` gets each point's index and result in order.
+    pub fn velocities_all(
+        &self,
+        points: &[(State, Input)],
+        road: &dyn Road,
+        found: &mut dyn FnMut(usize, [f64; 3]),
+    ) {
+        let of = Velocities { step: self, road };
+        sensitivity::from_all(&of, points, found);
+    }
+
+    /// [`Discretized::velocities_all`] with the Jacobian of each row by the grip factors of the front
+    /// and the rear axle: what a least-squares fit of the friction needs.
     pub fn grip_jacobians(
         &self,
         points: &[(State, Input)],
-        road: impl Road,
-        mut found: impl FnMut(usize, Vector6<f64>, Matrix6x2<f64>),
+        road: &dyn Road,
+        found: &mut dyn FnMut(usize, [f64; 3], [[f64; 2]; 3]),
     ) {
-        match self.model.kind {
-            ModelKind::Dynamic => {
-                let mut found = |i, step: Linearization| found(i, step.next, step.b);
-                self.linearize_by(By::Grip, points, &road, &mut found);
-            }
-            // A car that rolls has all the grip it needs.
-            ModelKind::Kinematic => {
-                for (i, (x, u)) in points.iter().enumerate() {
-                    let next = self.next_on(x, u, &road).to_vector();
-                    found(i, next, Matrix6x2::zeros());
-                }
-            }
-        }
+        let of = ByGrip { step: self, road };
+        sensitivity::from_all(&of, points, &mut |i, (next, jacobian)| found(i, next, jacobian));
     }
 
     /// Number and length of the Runge-Kutta steps.

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! R and Q are estimated while driving ([`noise`]). Measurements without noise pass as they are.
-//! A closed lap is smoothed before anything is learned from it ([`smooth`]).
+//! A closed lap is smoothed before anything but the safe set takes it in ([`smooth`]).
 
 mod noise;
 mod smooth;
@@ -23,7 +23,7 @@ use vehicle_model::{CarParams, State, Track};
 use crate::config::FilterConfig;
 use crate::derive::Scales;
 use noise::{Noise, Variances};
-pub(crate) use smooth::{Step, smooth};
+pub(crate) use smooth::{Smoothing, Step};
 
 /// Variance of a velocity nobody measured, in squared speeds sqrt(mu g l) of the car.
 const UNKNOWN: f64 = 4.0;
@@ -61,6 +61,9 @@ pub(crate) struct Estimate {
     noise: Noise,
     /// The lap in progress, to be smoothed: one step for each sample, or none.
     pub(crate) steps: Vec<Step>,
+    /// Memory for those of the next lap.
+    #[serde(skip)]
+    pub(crate) spare: Vec<Step>,
 }
 
 impl Filter {

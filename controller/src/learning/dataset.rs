@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
+use crate::config::{SafeSetConfig, Selection};
 use crate::status::{LapKind, LapResult};
 
 /// One measured transition.
@@ -143,18 +144,29 @@ impl Dataset {
             last.next = None;
         }
     }
+}
 
-    /// The `count` laps of the safe set: valid ones, fastest or most recent first.
-    pub(crate) fn select(&self, count: usize, fastest: bool) -> Vec<usize> {
-        let mut valid: Vec<usize> =
-            (0..self.laps.len()).rev().filter(|&i| self.laps[i].result.valid).collect();
-        if fastest {
-            // Stable: of equally fast laps the more recent comes first.
-            valid.sort_by(|&a, &b| {
-                self.laps[a].result.lap_time.total_cmp(&self.laps[b].result.lap_time)
-            });
+/// Brings a lap into the list of the safe set's laps: valid ones, the fastest or the most recent, best
+/// first. Laps come in the order they were driven; of equally fast ones the more recent is better.
+pub(crate) fn select(
+    selected: &mut Vec<usize>,
+    laps: &[Arc<Lap>],
+    lap: usize,
+    config: &SafeSetConfig,
+) {
+    let new = &laps[lap].result;
+    if !new.valid {
+        return;
+    }
+    let place = match config.selection {
+        Selection::Fastest => {
+            let faster = |i: &usize| laps[*i].result.lap_time.total_cmp(&new.lap_time).is_lt();
+            selected.partition_point(faster)
         }
-        valid.truncate(count);
-        valid
+        Selection::Recent => 0,
+    };
+    if place < config.laps {
+        selected.insert(place, lap);
+        selected.truncate(config.laps);
     }
 }

@@ -13,10 +13,11 @@
 //!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
+use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
 use super::braking::{backward, deceleration, grid, place};
-use super::dataset::Lap;
+use super::dataset::{Lap, Sample};
 use crate::config::EnvelopeConfig;
 
 /// Share of the reserve beside the body whose use is no near miss.
@@ -40,7 +41,7 @@ pub(crate) struct Envelope {
 }
 
 /// A stretch on which the body came closer to an edge than the lane margin allows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NearMiss {
     /// Index of the lap among all.
     pub(crate) lap: usize,
@@ -53,9 +54,14 @@ pub(crate) struct NearMiss {
 }
 
 impl NearMiss {
-    /// Adds those of a lap; `used` gives the share of the reserve that a state uses up.
-    pub(crate) fn find(list: &mut Vec<Self>, lap: usize, of: &Lap, used: impl Fn(&State) -> f64) {
-        for pair in of.samples.windows(2) {
+    /// Adds those between samples of a lap; `used` gives the share of the reserve that a state uses up.
+    pub(crate) fn find(
+        list: &mut Vec<Self>,
+        lap: usize,
+        samples: &[Sample],
+        used: impl Fn(&State) -> f64,
+    ) {
+        for pair in samples.windows(2) {
             let used = used(&pair[0].x);
             if used > TOLERATED {
                 let s = [pair[0].x.s, pair[1].x.s];

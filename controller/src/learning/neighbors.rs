@@ -148,25 +148,17 @@ impl Leaf {
 }
 
 impl Tree {
-    /// Adds points; their indices go on from those of the points before.
-    pub(crate) fn extend(&mut self, points: &[Point]) {
+    /// Adds a point; its index is the number of points before it.
+    pub(crate) fn push(&mut self, point: &Point) {
         if self.nodes.is_empty() {
             let mut root = Node::new();
             root.push(Below::Leaf(0));
             self.nodes.push(root);
             self.leaves.push(Leaf::new());
         }
-        // In leaps through the lap: points in the order they were driven would make a lopsided
-        // tree.
-        let n = points.len();
-        let leap = (1..=n).find(|leap| 5 * leap >= 3 * n && coprime(*leap, n)).unwrap_or(1);
-        let mut i = 0;
-        for _ in 0..n {
-            // The number of samples fits: 4e9 are more than memory holds.
-            self.insert(&points[i], self.len + i as u32);
-            i = (i + leap) % n;
-        }
-        self.len += n as u32;
+        self.insert(point, self.len);
+        // The number of samples fits: 4e9 are more than memory holds.
+        self.len += 1;
     }
 
     fn insert(&mut self, point: &Point, index: u32) {
@@ -228,10 +220,6 @@ where
     a.iter().zip(b).fold(T::default(), |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }
 
-fn coprime(a: usize, b: usize) -> bool {
-    if b == 0 { a == 1 } else { coprime(b, a % b) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,10 +234,7 @@ mod tests {
             let mut coarse = || 0.5 * f32::from(rng.random_range(0..6_u8));
             let points: Vec<Point> = (0..n).map(|_| [(); DIMENSIONS].map(|()| coarse())).collect();
             let mut tree = Tree::default();
-            // In parts, as laps come.
-            for part in points.chunks(1 + n / 3) {
-                tree.extend(part);
-            }
+            points.iter().for_each(|point| tree.push(point));
             for count in [1, 5, 40] {
                 for limit in [0.3, 2.0, f32::INFINITY] {
                     let query = [(); DIMENSIONS].map(|()| rng.random_range(0.0..3.0));

@@ -13,10 +13,11 @@
 //! The kernel takes the squared distance u: with it the paper's study of h is reproduced.
 //! Neither s, e_y nor e_psi are in z, so that data of other corners count.
 
+use std::ops::Range;
+
 use pulp::{Arch, Simd, WithSimd};
 use vehicle_model::{Input, State};
 
-use super::dataset::Lap;
 use super::neighbors::{DIMENSIONS, Found, Point, Tree, squared_distance};
 use super::ridge::Columns;
 pub use super::ridge::{Gamma, ROWS, Weighted, ridge};
@@ -35,35 +36,31 @@ pub fn epanechnikov(u: f64, h: f64) -> f64 {
     if u < h { 0.75 * (1.0 - (u / h) * (u / h)) } else { 0.0 }
 }
 
-/// Regression samples of one lap. They depend on the lap and on the nominal model alone, so that
-/// each lap's residuals are computed once.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Targets(Vec<Target>);
-
 /// A regression sample: one line of the processor's cache, as neighbours lie anywhere in memory.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-struct Target {
+pub(crate) struct Target {
     z: [f64; DIMENSIONS],
     y: [f64; ROWS],
 }
 
-impl Targets {
-    /// The samples of `lap`; `target` maps x, u and the next velocities to y.
-    pub(crate) fn new(
-        lap: &Lap,
-        mut target: impl FnMut(&State, &Input, [f64; ROWS]) -> [f64; ROWS],
-    ) -> Self {
-        let mut targets = Self::default();
-        for sample in &lap.samples {
-            let Some(next) = sample.next else { continue };
-            let y = target(&sample.x, &sample.u, next);
-            if y.iter().all(|v| v.is_finite()) {
-                targets.0.push(Target { z: regressor(&sample.x, &sample.u), y });
-            }
-        }
-        targets
+impl Target {
+    /// The target `y` at (x, u).
+    pub(crate) fn new(x: &State, u: &Input, y: [f64; ROWS]) -> Self {
+        Self { z: regressor(x, u), y }
     }
+}
+
+/// Places in a lap of `count` samples, `range` of an order in leaps through the lap: samples in the
+/// order they were driven would make a lopsided tree.
+pub(crate) fn leap_order(count: usize, range: Range<usize>) -> impl Iterator<Item = usize> {
+    let least = (3 * count).div_ceil(5).max(1);
+    let leap = (least..).find(|leap| coprime(*leap, count.max(1))).unwrap_or(1);
+    range.map(move |k| (k * leap) % count.max(1))
+}
+
+fn coprime(a: usize, b: usize) -> bool {
+    if b == 0 { a == 1 } else { coprime(b, a % b) }
 }
 
 /// The samples of all laps in use, with a tree over them.
@@ -72,8 +69,6 @@ pub(crate) struct RegressionData {
     samples: Vec<Target>,
     tree: Tree,
     scale: [f64; DIMENSIONS],
-    /// Number of each lap and where its samples begin; laps follow one another.
-    laps: Vec<(usize, usize)>,
 }
 
 /// Memory that fits need, reused from step to step.
@@ -108,40 +103,10 @@ impl RegressionData {
         Self { scale: config.metric.map(f64::sqrt), ..Self::default() }
     }
 
-    /// The first lap from `first` on that has not been added.
-    pub(crate) fn next_lap(&self, first: usize) -> usize {
-        self.laps.last().map_or(first, |(lap, _)| lap + 1)
-    }
-
-    /// Adds the samples of lap number `lap`.
-    pub(crate) fn add(&mut self, lap: usize, targets: &Targets) {
-        let begin = self.samples.len();
-        self.laps.push((lap, begin));
-        self.samples.extend_from_slice(&targets.0);
-        self.grow(begin);
-    }
-
-    /// Takes away the laps before `first`.
-    pub(crate) fn forget_before(&mut self, first: usize) {
-        let gone = self.laps.partition_point(|(lap, _)| *lap < first);
-        if gone == 0 {
-            return;
-        }
-        let begin = self.laps.get(gone).map_or(self.samples.len(), |(_, begin)| *begin);
-        self.samples.drain(..begin);
-        self.laps.drain(..gone);
-        for (_, old) in &mut self.laps {
-            *old -= begin;
-        }
-        self.tree = Tree::default();
-        self.grow(0);
-    }
-
-    /// Brings the samples from `begin` on into the tree.
-    fn grow(&mut self, begin: usize) {
-        let samples = self.samples[begin..].iter();
-        let points: Vec<Point> = samples.map(|sample| point(&sample.z, &self.scale)).collect();
-        self.tree.extend(&points);
+    /// Adds a sample.
+    pub(crate) fn add(&mut self, target: Target) {
+        self.tree.push(&point(&target.z, &self.scale));
+        self.samples.push(target);
     }
 
     /// Fit around z_bar, the point of stage `t`: Gamma, and the sum of the kernel weights that
@@ -238,34 +203,31 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     #[test]
-    fn grown_and_cut_data_fit_as_those_made_at_once() {
+    fn an_order_in_leaps_holds_every_place_once() {
+        for count in [0, 1, 2, 5, 6, 42, 97, 730] {
+            let mut places: Vec<usize> = leap_order(count, 0..count / 3).collect();
+            places.extend(leap_order(count, count / 3..count));
+            places.sort_unstable();
+            assert!(places.into_iter().eq(0..count));
+        }
+    }
+
+    #[test]
+    fn fits_do_not_depend_on_where_the_search_begins() {
         let config = RegressionConfig { laps: 0, ..RegressionConfig::default() };
         let mut rng = rand_pcg::Pcg64::seed_from_u64(3);
-        let mut lap = |n: usize| {
-            let mut lap = Targets::default();
-            for _ in 0..n {
-                let mut any = || rng.random_range(-1.0..1.0);
-                let (z, y) = ([(); DIMENSIONS].map(|()| any()), [(); ROWS].map(|()| any()));
-                lap.0.push(Target { z, y });
-            }
-            lap
-        };
-        let laps = [lap(150), lap(0), lap(90), lap(200)];
-        let (mut grown, mut scratch) = (RegressionData::new(&config), Scratch::new(&config, 3));
-        let points: Vec<_> = lap(20).0.iter().map(|sample| sample.z).collect();
-        for (first, end) in [(0, 1), (0, 3), (1, 4), (3, 4), (4, 4)] {
-            grown.forget_before(first);
-            let next = grown.next_lap(first);
-            for (i, lap) in laps.iter().enumerate().take(end).skip(next) {
-                grown.add(i, lap);
-            }
-            let mut once = RegressionData::new(&config);
-            (first..end).for_each(|i| once.add(i, &laps[i]));
-            for (t, z) in points.iter().enumerate() {
+        let mut any = || rng.random_range(-1.0..1.0);
+        let mut target =
+            || Target { z: [(); DIMENSIONS].map(|()| any()), y: [any(), any(), any()] };
+        let (mut data, mut scratch) = (RegressionData::new(&config), Scratch::new(&config, 3));
+        for count in [0, 150, 90, 200] {
+            (0..count).for_each(|_| data.add(target()));
+            for t in 0..20 {
+                let z = target().z;
                 // The one begins where it was before, the other anywhere.
-                let fit = grown.fit(t % 4, z, &config, &mut scratch);
-                assert_eq!(fit, once.fit(0, z, &config, &mut Scratch::new(&config, 0)));
-                assert_eq!(fit.1 > 0.0, first < 4);
+                let fit = data.fit(t % 4, &z, &config, &mut scratch);
+                assert_eq!(fit, data.fit(0, &z, &config, &mut Scratch::new(&config, 0)));
+                assert_eq!(fit.1 > 0.0, !data.samples.is_empty());
             }
         }
     }

@@ -6,7 +6,7 @@ use controller::ControllerState;
 
 use crate::{Handle, explain, guarded};
 
-const MAGIC: &[u8; 8] = b"LMPC-C 1";
+const MAGIC: &[u8; 8] = b"LMPC-C 2";
 /// Magic, identity, checksum.
 const HEADER: usize = 20;
 

@@ -116,9 +116,19 @@ impl ControllerFmu {
         Ok(())
     }
 
-    /// Counts the lap a step finished and keeps what was learned, if asked to.
-    fn close_lap(&mut self, io: &mut Io<'_>, command: &Command) -> Result<(), Fault> {
-        let Some(result) = command.status.finished else { return Ok(()) };
+    /// Does ahead what the coming tick needs no inputs for, and keeps what was learned if that
+    /// finishes the work of a lap's end.
+    fn prepare(&mut self, io: &mut Io<'_>) {
+        let pending = self.controller.learning_pending();
+        self.controller.prepare();
+        if pending && !self.controller.learning_pending() {
+            self.keep(io);
+        }
+    }
+
+    /// Counts the lap a step finished.
+    fn close_lap(&mut self, io: &mut Io<'_>, command: &Command) {
+        let Some(result) = command.status.finished else { return };
         let laps = &mut self.laps;
         laps.finished += 1;
         laps.last_time = result.lap_time;
@@ -128,16 +138,19 @@ impl ControllerFmu {
         }
         let valid = if result.valid { "" } else { ", not valid" };
         io.log.event(format!("lap {}: {:.3} s{valid}", result.lap, result.lap_time));
+    }
+
+    /// Writes what was learned, if asked to.
+    fn keep(&self, io: &mut Io<'_>) {
         let path = io.values.text(slots().save);
         if path.is_empty() {
-            return Ok(());
+            return;
         }
         match files::save(path, &self.controller.learned_data()) {
             Ok(()) => io.log.event(format!("learned data written to {path}")),
             // Driving matters more than the file.
             Err(e) => io.log.warn(format!("param.learned_save = '{path}': {e}")),
         }
-        Ok(())
     }
 }
 
@@ -196,9 +209,11 @@ impl Model for ControllerFmu {
         }
         let tick = self.schedule.count();
         if !self.schedule.due_before(step.end() - step.origin, step.size) {
+            self.prepare(io);
             return Ok(());
         }
         self.retune(slots().settings.tuned(io.values))?;
+        let pending = self.controller.learning_pending();
         let begin = Instant::now();
         // Counted, not summed: equal to every other host's time, bit for bit.
         let command = self.controller.step(&measurement(io.values, tick as f64 * self.period));
@@ -207,9 +222,23 @@ impl Model for ControllerFmu {
         if let Some(why) = trouble(status.action, status.reason) {
             io.log.warn(format!("at {} s: {why}; action: {:?}", step.begin, status.action));
         }
-        self.close_lap(io, &command)?;
+        if pending && !self.controller.learning_pending() {
+            self.keep(io);
+        }
+        self.close_lap(io, &command);
         self.publish(io.values, &command, duration);
+        // Shorter steps leave one in which there is nothing else to do.
+        if 2.0 * step.size > self.period {
+            self.prepare(io);
+        }
         Ok(())
+    }
+
+    fn end(&mut self, io: &mut Io<'_>) {
+        if self.controller.learning_pending() {
+            self.controller.finish_learning();
+            self.keep(io);
+        }
     }
 
     fn state(&self) -> ControllerFmuState {

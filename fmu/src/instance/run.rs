@@ -55,7 +55,16 @@ impl<M: Model> Instance<M> {
     pub(crate) fn terminate(&mut self, function: &str) -> Result<(), Fault> {
         self.allow(function, &[Phase::Stepping])?;
         self.core.phase = Phase::Terminated;
-        Ok(())
+        let Some(model) = self.model.as_mut() else { return Ok(()) };
+        let mut io = Io {
+            values: &mut self.core.values,
+            resources: self.resources.as_deref(),
+            log: &mut self.log,
+        };
+        Self::guarded(function, || {
+            model.end(&mut io);
+            Ok(())
+        })
     }
 
     pub(crate) fn reset(&mut self, function: &str) -> Result<(), Fault> {

@@ -165,6 +165,10 @@ impl Service {
             self.report();
         }
         self.say_stop(ActuationCommand::MODE_SAFE_STOP);
+        if let (Some(store), true) = (&self.store, self.controller.learning_pending()) {
+            self.controller.finish_learning();
+            store.save(&self.controller);
+        }
     }
 
     /// Answers the newest accepted state; false if there was none. All that wait are checked:
@@ -302,8 +306,10 @@ impl Service {
         if command.status.reason != Reason::TimeNotAdvancing {
             self.seen.add(self.controller.track(), command, late);
         }
+        // The work of a lap's end takes a few steps; only then is there something new to keep.
+        let pending = self.controller.learning_pending();
         self.controller.prepare();
-        if let (Some(store), true) = (&self.store, command.status.finished.is_some()) {
+        if let (Some(store), true) = (&self.store, pending && !self.controller.learning_pending()) {
             store.save(&self.controller);
         }
     }

@@ -49,6 +49,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     drive(&mut race, args.json, talk)?;
     write(&args.out, &race, &options, &lead, (known, raceline.as_ref()))?;
     if let Some(path) = &args.save {
+        race.controller_mut().finish_learning();
         learned::save(path, race.controller())?;
         talk.say(&format!("learned data saved to {}", path.display()));
     }

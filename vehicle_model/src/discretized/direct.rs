@@ -4,30 +4,26 @@
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
-use super::sensitivity::{By, Sensitivities};
+use super::sensitivity::AlongStep;
 use super::{DIRECTIONS, Discretized, Linearization};
 use crate::number::{Dual, Real};
 use crate::road::Road;
 use crate::state::{NU, NX};
 
-/// Directions are the state and the two parameters.
+/// Directions are the state and the input.
 pub(super) struct Direct<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) by: By,
     pub(super) road: &'a dyn Road,
 }
 
-impl Sensitivities for Direct<'_> {
+impl AlongStep for Direct<'_> {
     type Found<T: Real> = [Dual<T, DIRECTIONS>; NX];
+    type Out = Linearization;
 
     #[inline(always)]
     fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> [Dual<T, DIRECTIONS>; NX] {
-        let grip = self.step.model.grip.map(|grip| u[0].constant(grip));
-        let parameters = |p: [T; 2]| [Dual::direction(p[0], NX), Dual::direction(p[1], NX + 1)];
-        let (u, grip) = match self.by {
-            By::Input => (parameters(u), grip.map(Dual::fixed)),
-            By::Grip => (u.map(Dual::fixed), parameters(grip)),
-        };
+        let grip = self.step.model.grip.map(|grip| Dual::fixed(u[0].constant(grip)));
+        let u = [Dual::direction(u[0], NX), Dual::direction(u[1], NX + 1)];
         let state = std::array::from_fn(|i| Dual::direction(x[i], i));
         self.step.step::<_, true>(&state, &u, &grip, self.road)
     }

@@ -1,54 +1,47 @@
-//! Jacobians of a step, of one car or of as many at once as the processor has lanes.
+//! What follows from a step, such as its Jacobians: for one car, or for as many at once as the processor
+//! has lanes.
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::Linearization;
 use crate::model::state_array;
 use crate::number::{Lanes, Real};
 use crate::state::{Input, NU, NX, State};
 
-/// The two parameters that are held over a step and derived by.
-#[derive(Clone, Copy)]
-pub(super) enum By {
-    /// a and delta.
-    Input,
-    /// Grip factors of the front and rear axle.
-    Grip,
-}
-
-/// A way to the Jacobians of a step.
-pub(super) trait Sensitivities {
-    /// What it finds, in numbers of one kind.
+/// Something computed along a step.
+pub(super) trait AlongStep {
+    /// It, in numbers of one kind.
     type Found<T: Real>;
+    /// It, of one car.
+    type Out;
 
     /// From a state and an input; compiled into the vector instructions of its caller.
     fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> Self::Found<T>;
 
-    /// The matrices of what was found, `value` being the wanted lane of a number.
-    fn unpack<T: Real>(found: &Self::Found<T>, value: impl Fn(T) -> f64) -> Linearization;
+    /// That of one car, `value` being its lane of a number.
+    fn unpack<T: Real>(found: &Self::Found<T>, value: impl Fn(T) -> f64) -> Self::Out;
 }
 
-/// Jacobians of a step by its state and the parameters.
-pub(super) fn linearize<S: Sensitivities>(of: &S, x: &State, u: &Input) -> Linearization {
+/// From one state and input.
+pub(super) fn from_one<S: AlongStep>(of: &S, x: &State, u: &Input) -> S::Out {
     S::unpack(&of.derive(&state_array(x), [u.a, u.delta]), |value: f64| value)
 }
 
-/// The same at all points, as many at once as the processor has lanes.
-pub(super) fn linearize_all(
-    of: &impl Sensitivities,
+/// From all points, as many at once as the processor has lanes; to the last bit as from each alone.
+pub(super) fn from_all<S: AlongStep>(
+    of: &S,
     points: &[(State, Input)],
-    found: &mut dyn FnMut(usize, Linearization),
+    found: &mut dyn FnMut(usize, S::Out),
 ) {
     Arch::new().dispatch(Task { of, points, found });
 }
 
-struct Task<'a, D> {
+struct Task<'a, D: AlongStep> {
     of: &'a D,
     points: &'a [(State, Input)],
-    found: &'a mut dyn FnMut(usize, Linearization),
+    found: &'a mut dyn FnMut(usize, D::Out),
 }
 
-impl<D: Sensitivities> WithSimd for Task<'_, D> {
+impl<D: AlongStep> WithSimd for Task<'_, D> {
     type Output = ();
 
     #[inline(always)]

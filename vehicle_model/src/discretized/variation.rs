@@ -7,18 +7,18 @@
 //!
 //! V = d v/d(v_0, p),  P = d pose/d(v_0, p),  Q = d pose/d pose_0,
 //!
-//! p being two parameters held over the step: the input, or the grip factors.
+//! p being the input, which is held over the step.
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
-use super::sensitivity::{By, Sensitivities};
+use super::sensitivity::AlongStep;
 use super::{Discretized, Linearization, Rates, Stage, runge_kutta_4};
 use crate::model::{Held, pose_rates};
 use crate::number::{Dual, Real};
 use crate::road::Road;
 use crate::state::{NU, NX};
 
-/// Directions of the velocity block: v_x, v_y, omega_z and the parameters; of the pose block:
+/// Directions of the velocity block: v_x, v_y, omega_z and the input; of the pose block:
 /// v_x, v_y, omega_z, e_psi, e_y.
 const N: usize = 5;
 /// Columns of Q: e_psi and e_y. Nothing but s itself depends on s.
@@ -33,16 +33,16 @@ const ALL: usize = Q + 3 * POSE.len();
 /// The Jacobians of a step on a flat road by the variational equations.
 pub(super) struct Variation<'a> {
     pub(super) step: &'a Discretized,
-    pub(super) by: By,
     pub(super) road: &'a dyn Road,
 }
 
-impl Sensitivities for Variation<'_> {
+impl AlongStep for Variation<'_> {
     type Found<T: Real> = [T; ALL];
+    type Out = Linearization;
 
     #[inline(always)]
     fn derive<T: Real>(&self, x: &[T; NX], u: [T; NU]) -> [T; ALL] {
-        integrate(self.step, x, u, self.by, self.road)
+        integrate(self.step, x, u, self.road)
     }
 
     fn unpack<T: Real>(found: &[T; ALL], value: impl Fn(T) -> f64) -> Linearization {
@@ -52,13 +52,7 @@ impl Sensitivities for Variation<'_> {
 
 /// State, V, P and Q after the step.
 #[inline(always)]
-fn integrate<T: Real>(
-    step: &Discretized,
-    x: &[T; NX],
-    u: [T; NU],
-    by: By,
-    road: &dyn Road,
-) -> [T; ALL] {
+fn integrate<T: Real>(step: &Discretized, x: &[T; NX], u: [T; NU], road: &dyn Road) -> [T; ALL] {
     let mut y = [x[0].constant(0.0); ALL];
     y[..NX].copy_from_slice(x);
     let one = x[0].constant(1.0);
@@ -67,7 +61,7 @@ fn integrate<T: Real>(
     }
     (y[Q], y[Q + 5]) = (one, one);
     let (substeps, h) = step.grid();
-    let system = System::new(step, u, by, road);
+    let system = System::new(step, u, road);
     for _ in 0..substeps {
         y = runge_kutta_4(&y, h, &system);
     }
@@ -106,13 +100,9 @@ struct System<'a, T> {
 
 impl<'a, T: Real> System<'a, T> {
     #[inline(always)]
-    fn new(step: &'a Discretized, u: [T; NU], by: By, road: &'a dyn Road) -> Self {
-        let grip = step.model.grip.map(|grip| u[0].constant(grip));
-        let parameters = |p: [T; 2]| [Dual::direction(p[0], 3), Dual::direction(p[1], 4)];
-        let (u, grip) = match by {
-            By::Input => (parameters(u), grip.map(Dual::fixed)),
-            By::Grip => (u.map(Dual::fixed), parameters(grip)),
-        };
+    fn new(step: &'a Discretized, u: [T; NU], road: &'a dyn Road) -> Self {
+        let grip = step.model.grip.map(|grip| Dual::fixed(u[0].constant(grip)));
+        let u = [Dual::direction(u[0], 3), Dual::direction(u[1], 4)];
         Self { step, held: Held::new(&u), grip, road }
     }
 }

@@ -23,6 +23,7 @@ mod crossing;
 mod drivable;
 mod error;
 mod frenet;
+mod hills;
 mod import;
 mod outliers;
 mod path;

@@ -34,8 +34,8 @@ enum Quantity {
 pub(super) enum Position {
     /// Columns of x and y.
     Plane(usize, usize),
-    /// Columns of latitude, longitude and, where there is one, height.
-    Globe(usize, usize, Option<usize>),
+    /// Columns of latitude and longitude.
+    Globe(usize, usize),
 }
 
 /// Where a point's widths stand.
@@ -60,6 +60,8 @@ pub(super) struct Columns {
     pub position: Position,
     /// The widths.
     pub widths: WidthColumns,
+    /// Column of the height.
+    pub height: Option<usize>,
 }
 
 impl Columns {
@@ -80,7 +82,7 @@ impl Columns {
         let at = |wanted| names.iter().position(|name| quantity(name) == Some(wanted));
         let globe = || {
             let (lat, lon) = (at(Quantity::Latitude)?, at(Quantity::Longitude)?);
-            Some(Position::Globe(lat, lon, at(Quantity::Height)))
+            Some(Position::Globe(lat, lon))
         };
         let plane = || Some(Position::Plane(at(Quantity::X)?, at(Quantity::Y)?));
         let position = plane().or_else(globe)?;
@@ -89,16 +91,20 @@ impl Columns {
             (_, _, Some(width)) => WidthColumns::Whole(width),
             _ => WidthColumns::Absent,
         };
-        Some(Self { count: names.len(), position, widths })
+        Some(Self { count: names.len(), position, widths, height: at(Quantity::Height) })
     }
 
     /// The columns of a table of `count` columns without a header.
     pub(super) fn unnamed(count: usize) -> Self {
-        let plane = |x, y, widths| Self { count, position: Position::Plane(x, y), widths };
+        let position = Position::Plane;
+        let plane = |x, y, widths| Self { count, position: position(x, y), widths, height: None };
         match count {
             2 => plane(0, 1, WidthColumns::Absent),
             RACELINE => plane(1, 2, WidthColumns::Absent),
-            TTL => plane(0, 1, WidthColumns::Edges([9, 10], [11, 12])),
+            TTL => {
+                let height = Some(2);
+                Self { height, ..plane(0, 1, WidthColumns::Edges([9, 10], [11, 12])) }
+            }
             _ => Self { count: 4, ..plane(0, 1, WidthColumns::Sides(2, 3)) },
         }
     }

@@ -1,7 +1,7 @@
 //! Lines of GeoJSON (RFC 7946): longitude, latitude and perhaps height of each point.
 
 use super::globe::{self, Fix};
-use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, survey};
+use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 use serde_json::Value;
 
 /// A line with the properties of its feature.
@@ -28,12 +28,13 @@ pub(super) fn read(
     let [line] = &lines[..] else {
         return Err(wrong(1, 1, format!("{} lines", lines.len())));
     };
-    let mut fixes = Vec::with_capacity(line.coordinates.len());
+    let (mut fixes, mut heights) = (Vec::with_capacity(line.coordinates.len()), Vec::new());
     for (i, position) in line.coordinates.iter().enumerate() {
         let number = |at: usize| position.get(at).and_then(Value::as_f64);
         let (Some(longitude), Some(latitude)) = (number(0), number(1)) else {
             return Err(wrong(1, 1, format!("point {}: {position}", i + 1)));
         };
+        heights.extend(number(2));
         fixes.push(Fix { latitude, longitude, height: number(2).unwrap_or(0.0) });
     }
     let item = |i: usize| format!("point {}", i + 1);
@@ -49,7 +50,8 @@ pub(super) fn read(
         .map(|(x, y)| TrackPoint { x, y, width_left: half, width_right: half })
         .collect();
     let imported = survey::build(line.name.unwrap_or(name), &points, options, &item)?;
-    Ok(Imported { origin: Some(origin), ..imported })
+    let heights = (heights.len() == points.len()).then_some(heights);
+    hills::with_heights(Imported { origin: Some(origin), ..imported }, heights)
 }
 
 /// Every line in a value, with the properties of the feature it is in.

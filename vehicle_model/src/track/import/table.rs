@@ -3,7 +3,7 @@
 use super::FORMATS;
 use super::columns::{Columns, Position, WidthColumns};
 use super::globe::{self, Fix};
-use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, survey};
+use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 
 /// A number and the column of its first character, from 1.
 type Cell = (f64, usize);
@@ -66,13 +66,13 @@ pub(super) fn read(
     let cell = |row: &Row, i: usize| row.cells[i].0;
     let (places, origin) = match columns.position {
         Position::Plane(x, y) => (rows.iter().map(|r| (cell(r, x), cell(r, y))).collect(), None),
-        Position::Globe(lat, lon, height) => {
+        Position::Globe(lat, lon) => {
             let fixes: Vec<Fix> = rows
                 .iter()
                 .map(|r| Fix {
                     latitude: cell(r, lat),
                     longitude: cell(r, lon),
-                    height: height.map_or(0.0, |h| cell(r, h)),
+                    height: columns.height.map_or(0.0, |h| cell(r, h)),
                 })
                 .collect();
             let line = |i: usize| format!("line {}: point {}", rows[i].line, i + 1);
@@ -86,7 +86,8 @@ pub(super) fn read(
         None => format!("point {}", i + 1),
     };
     let imported = survey::build(name, &points, options, &item)?;
-    Ok(Imported { origin, ..imported })
+    let heights = columns.height.map(|column| rows.iter().map(|row| cell(row, column)).collect());
+    hills::with_heights(Imported { origin, ..imported }, heights)
 }
 
 /// The numbers of a line, separated by commas, semicolons or blanks; or what is none.

@@ -286,6 +286,17 @@ impl<'p> Fit<'p> {
     }
 }
 
+/// Rise per metre of the smooth closed profile near heights \[m\] at places s \[m\], ascending and
+/// distinct, of a lap of this length: at equal steps, as the heights themselves ask for.
+pub(super) fn slopes(places: &[(f64, f64)], length: f64) -> Vec<(f64, f64)> {
+    let heights: Vec<(f64, f64)> = places.iter().map(|(_, height)| (*height, 0.0)).collect();
+    let Some((first, _)) = places.first() else { return Vec::new() };
+    let fit = Fit::new(&heights, places.iter().map(|(s, _)| s - first).collect(), length);
+    let (profile, _) = fit.curve(&fit.factor(fit.automatic(f64::INFINITY)));
+    let at = |k: usize| k as f64 * fit.grid.interval;
+    (0..fit.grid.count).map(|k| (first + at(k), fit.grid.slope(at(k)).times(&profile.x))).collect()
+}
+
 /// The smooth curve near distinct points, in the order of driving.
 pub(super) fn smooth(points: &[(f64, f64)], strength: Strength) -> Smoothed {
     let n = points.len();
