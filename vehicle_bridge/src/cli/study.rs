@@ -29,6 +29,7 @@ Examples:
 Drives every car on every track with every plant and every seed. A run fails when any part of the
 car's body leaves the track, when the car spins, turns round or stands still, or when a lap takes
 too long. Each finished run is one line of runs.csv at once; --resume runs what is missing there.
+Without it an earlier runs.csv becomes runs.before.csv.
 Failed runs leave their last steps in failures/. matrix.html shows all cells, failed ones first.
 Exit code 3 if any run failed.";
 
@@ -141,7 +142,7 @@ pub struct PaperStudyArgs {
     /// Runs at the same time; by default one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: Option<u32>,
-    /// Run everything again, also what an earlier start has finished
+    /// Run everything again; the earlier tables stay as runs.before.csv and laps.before.csv
     #[arg(long)]
     pub fresh: bool,
     /// Folder for the results; by default out/study-NAME

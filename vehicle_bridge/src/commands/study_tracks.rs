@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::study::progress;
+use super::study::{others, progress};
 use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
 use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
@@ -41,7 +41,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
         cases.iter().filter(|case| done.binary_search(&case.key).is_err()).collect();
     let out = args.out.display();
     let lead = format!("{} runs of {} learned laps", cases.len(), args.laps);
-    talk.say(&format!("{lead}, {} kept from {out}", done.len()));
+    talk.say(&format!("{lead}, {} kept from {out}{}", done.len(), others(book.others.len())));
 
     race(&missing, args, &mut book, cases.len(), talk)?;
     book.sort(&keys)?;
