@@ -3,6 +3,8 @@
 mod bench;
 mod car;
 mod check;
+mod config;
+mod config_schema;
 mod doctor;
 mod export;
 mod fmu;
@@ -84,6 +86,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Bench(args) => bench::run(&args, talk),
         Command::Track(args) => track::run(&args),
         Command::Car(args) => car::run(&args),
+        Command::Config(args) => config::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),
