@@ -18,7 +18,7 @@ use vehicle_model::{
     PlantParams, SlipAngles, State, Track,
 };
 
-pub use hosting::rule::{FailureRule, TrackLimit};
+pub use hosting::rule::{Edges, FailureRule, TrackLimit};
 pub use plant::change_plant;
 
 use hosting::rule::FailureReason;
@@ -297,7 +297,7 @@ impl Race {
             iteration: if self.learning { self.learned_laps + 1 } else { 0 },
             time: self.time,
             x,
-            beyond: self.rule.beyond(&self.options.track, &x),
+            beyond: self.rule.edges.beyond(&self.options.track, &x),
         });
         let recoverable = |failure: &Failure| {
             !matches!(failure.reason, FailureReason::NoLap | FailureReason::NotFinite)

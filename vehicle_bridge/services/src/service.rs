@@ -120,6 +120,7 @@ impl Service {
         let track = telemetry::track_message(controller.track());
         let place = Place { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
+        let seen = LapSeen::new(controller.car(), key);
         Ok(Self {
             guard: Guard::new(age, silence, host),
             order_desk: Orders::new(host),
@@ -132,7 +133,7 @@ impl Service {
             pulse: Pulse::start(network, &identity, "lmpc", Some(place))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
-            seen: LapSeen::new(key),
+            seen,
             last: None,
             effort: Effort::default(),
             send_errors: 0,

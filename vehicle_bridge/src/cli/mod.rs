@@ -34,7 +34,7 @@ pub use network::{
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
-pub use race::{ControllerArgs, OnFailure, RaceArgs};
+pub use race::{ControllerArgs, LimitArgs, OnFailure, RaceArgs};
 pub use study::{PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};

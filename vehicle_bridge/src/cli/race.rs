@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use controller::config::{NominalModel, RegressionMode};
 
 use super::FmuVehicleArgs;
+use hosting::rule::TrackLimit;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,12 +76,32 @@ pub struct RaceArgs {
     /// Folder of kept time-optimal laps; by default that of the track's file, or out/optimum
     #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
+    /// What is judged.
+    #[command(flatten)]
+    pub limit: LimitArgs,
     /// What a car that leaves the track, spins or stands does to the race
     #[arg(long, value_enum, default_value = "stop", value_name = "WHAT")]
     pub on_failure: OnFailure,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// What has to stay inside the track.
+#[derive(Debug, Args)]
+pub struct LimitArgs {
+    /// Judge only the centre of gravity, as the paper's studies do; by default the whole body has
+    /// to stay on the track
+    #[arg(long)]
+    pub centre_of_gravity: bool,
+}
+
+impl LimitArgs {
+    /// The limit.
+    #[must_use]
+    pub fn limit(&self) -> TrackLimit {
+        if self.centre_of_gravity { TrackLimit::CentreOfGravity } else { TrackLimit::Body }
+    }
 }
 
 /// Car, track and settings of a controller.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use vehicle_model::Track;
 
-use super::race::PresetName;
+use super::race::{LimitArgs, PresetName};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,9 +101,9 @@ pub struct TracksStudyArgs {
     /// a folder of such files
     #[arg(long, value_name = "FILE|FOLDER")]
     pub optimum: Option<PathBuf>,
-    /// Judge only the centre of gravity, as the paper's studies do
-    #[arg(long)]
-    pub centre_of_gravity: bool,
+    /// What is judged.
+    #[command(flatten)]
+    pub limit: LimitArgs,
     /// Runs at the same time; by default one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: Option<u32>,

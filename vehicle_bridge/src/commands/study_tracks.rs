@@ -14,7 +14,6 @@ use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
 use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
 use hosting::parallel::{parallel, threads};
-use hosting::rule::TrackLimit;
 use studies::tracks::{
     Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
     tracks,
@@ -86,9 +85,7 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
                     Arc::clone(&track.value),
                     args.laps,
                 )?;
-                if !args.centre_of_gravity {
-                    options.limit = TrackLimit::Body;
-                }
+                options.limit = args.limit.limit();
                 let names = [car.label.as_str(), track.label.as_str(), label];
                 all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
             }
