@@ -12,6 +12,7 @@ mod network;
 mod operator;
 mod optimum;
 mod race;
+mod shell;
 mod study;
 mod top;
 mod track;
@@ -35,6 +36,7 @@ pub use network::{
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, LimitArgs, OnFailure, RaceArgs};
+pub use shell::{CompletionsArgs, ManArgs};
 pub use study::{PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
@@ -111,6 +113,8 @@ pub enum Command {
     Fmu(FmuArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
+    /// Write the manual pages
+    Man(ManArgs),
 }
 
 impl Command {
@@ -169,14 +173,6 @@ pub struct CheckArgs {
     /// Print problems and settings as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Options of `lmpc completions`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  lmpc completions bash > /etc/bash_completion.d/lmpc")]
-pub struct CompletionsArgs {
-    /// Shell
-    pub shell: clap_complete::Shell,
 }
 
 /// When to use colour.
