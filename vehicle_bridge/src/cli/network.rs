@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs, LimitArgs};
-use services::effort::Overrun;
+use services::deadline_monitor::Overrun;
 use transport::DEFAULT_URL;
 
 const SERVE_EXAMPLES: &str = "\
