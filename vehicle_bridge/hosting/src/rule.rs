@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use controller::Config;
+use controller::{Config, Preset};
 use vehicle_model::{CarParams, Outline, State, Track};
 
 /// Slowest speed that still counts as driving [m/s].
@@ -45,13 +45,24 @@ impl FailureReason {
 }
 
 /// What has to stay between the edges of the track.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackLimit {
     /// The whole body: length, width and heading count.
-    #[default]
     Body,
     /// The centre of gravity, as in the paper's studies.
     CentreOfGravity,
+}
+
+impl TrackLimit {
+    /// What is judged unless somebody asks for something else: the body. The preset `paper` keeps
+    /// the centre of gravity inside, as the paper does, and is judged by that.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        match config.preset {
+            Preset::Race => Self::Body,
+            Preset::Paper => Self::CentreOfGravity,
+        }
+    }
 }
 
 /// Judges whether a car is on the track. Races, studies, simulated cars on a network, the messages
@@ -150,12 +161,16 @@ mod tests {
     fn a_body_reaches_the_edge_before_its_centre_does() {
         let track = Track::builtin("l").unwrap();
         let car = CarParams::builtin("barc").unwrap();
-        let rule = FailureRule::new(&Config::default(), &track, &car, TrackLimit::default());
+        let rule =
+            FailureRule::new(&Config::default(), &track, &car, TrackLimit::of(&Config::default()));
         // On a straight, heading along it, the body reaches half its width.
         let e_y = track.width_left(0.5) - 0.5 * car.width;
         let at = |e_y: f64| State { v_x: 1.0, s: 0.5, e_y, ..State::default() };
         assert_eq!(rule.broken(&track, &at(e_y - 1e-9), 0.0), None);
         assert_eq!(rule.broken(&track, &at(e_y + 1e-9), 0.0), Some(FailureReason::OffTrack));
         assert!((rule.edges.beyond(&track, &at(e_y + 0.02)) - 0.02).abs() < 1e-9);
+        let paper = Config::preset(Preset::Paper);
+        let rule = FailureRule::new(&paper, &track, &car, TrackLimit::of(&paper));
+        assert_eq!(rule.broken(&track, &at(e_y + 0.02), 0.0), None);
     }
 }

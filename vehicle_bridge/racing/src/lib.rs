@@ -79,6 +79,7 @@ impl RaceOptions {
     #[must_use]
     pub fn new(config: Config, car: CarParams, track: Arc<Track>) -> Self {
         Self {
+            limit: TrackLimit::of(&config),
             config,
             nominal: car.clone(),
             plant: PlantParams::new(car),
@@ -86,7 +87,6 @@ impl RaceOptions {
             laps: 20,
             seed: 0,
             model_error: ModelErrorAt::Now,
-            limit: TrackLimit::default(),
             recover: false,
         }
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use controller::Config;
 use controller::config::{NominalModel, RegressionMode};
 
 use super::FmuVehicleArgs;
@@ -90,17 +91,23 @@ pub struct RaceArgs {
 /// What has to stay inside the track.
 #[derive(Debug, Args)]
 pub struct LimitArgs {
-    /// Judge only the centre of gravity, as the paper's studies do; by default the whole body has
-    /// to stay on the track
+    /// Judge only the centre of gravity, as the paper does; the default of the preset paper
     #[arg(long)]
     pub centre_of_gravity: bool,
+    /// Judge the whole body of the car; the default of the preset race
+    #[arg(long, conflicts_with = "centre_of_gravity")]
+    pub body: bool,
 }
 
 impl LimitArgs {
-    /// The limit.
+    /// The limit for a controller with this configuration.
     #[must_use]
-    pub fn limit(&self) -> TrackLimit {
-        if self.centre_of_gravity { TrackLimit::CentreOfGravity } else { TrackLimit::Body }
+    pub fn limit(&self, config: &Config) -> TrackLimit {
+        match (self.body, self.centre_of_gravity) {
+            (true, _) => TrackLimit::Body,
+            (false, true) => TrackLimit::CentreOfGravity,
+            (false, false) => TrackLimit::of(config),
+        }
     }
 }
 

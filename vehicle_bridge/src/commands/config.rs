@@ -71,7 +71,7 @@ fn choose(settings: &mut Vec<Setting<'_>>, wanted: &[String]) -> Result<()> {
 
 fn table(settings: &[Setting<'_>]) -> String {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::NOTHING);
     table.set_header(["key", "symbol", "value", "unit", "from"]);
     for Setting { key, value, origin } in settings {
         let (value, origin) = (format!("{value:.DIGITS$}"), origin.to_string());

@@ -130,7 +130,7 @@ pub(super) fn sim(
             Box::new(Plant::new(params, Arc::clone(&options.track), start)?)
         }
     };
-    let rule = FailureRule::new(config, &options.track, vehicle.car(), args.limit.limit());
+    let rule = FailureRule::new(config, &options.track, vehicle.car(), args.limit.limit(config));
     let (network, mut notes, _) = connect(&args.network, args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {

@@ -85,7 +85,7 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
                     Arc::clone(&track.value),
                     args.laps,
                 )?;
-                options.limit = args.limit.limit();
+                options.limit = args.limit.limit(&options.config);
                 let names = [car.label.as_str(), track.label.as_str(), label];
                 all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
             }
