@@ -50,13 +50,22 @@ pub struct Linearization {
 impl Discretized {
     /// State after one control step; s is not wrapped.
     pub fn next(&self, x: &State, u: &Input, road: impl Road) -> State {
-        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, &road);
+        self.next_on(x, u, &road)
+    }
+
+    // With a road of any kind these are compiled once, and not by every crate that calls them.
+    fn next_on(&self, x: &State, u: &Input, road: &dyn Road) -> State {
+        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, road);
         State::from_vector(&Vector6::from(next))
     }
 
     /// State after one control step with its Jacobians by state and input, exact by dual numbers.
     pub fn linearize(&self, x: &State, u: &Input, road: impl Road) -> Linearization {
-        let (step, by, road) = (self, By::Input, &road);
+        self.linearize_on(x, u, &road)
+    }
+
+    fn linearize_on(&self, x: &State, u: &Input, road: &dyn Road) -> Linearization {
+        let (step, by) = (self, By::Input);
         if self.varies(road) {
             sensitivity::linearize(&Variation { step, by, road }, x, u)
         } else {
@@ -65,7 +74,7 @@ impl Discretized {
     }
 
     /// Whether the variational equations fall into the small blocks that they are written for.
-    fn varies(&self, road: &impl Road) -> bool {
+    fn varies(&self, road: &dyn Road) -> bool {
         road.is_flat() && self.model.kind == ModelKind::Dynamic
     }
 
@@ -84,8 +93,8 @@ impl Discretized {
         &self,
         by: By,
         points: &[(State, Input)],
-        road: &impl Road,
-        found: &mut impl FnMut(usize, Linearization),
+        road: &dyn Road,
+        found: &mut dyn FnMut(usize, Linearization),
     ) {
         let step = self;
         if self.varies(road) {
@@ -112,9 +121,8 @@ impl Discretized {
             // A car that rolls has all the grip it needs.
             ModelKind::Kinematic => {
                 for (i, (x, u)) in points.iter().enumerate() {
-                    let input = [u.a, u.delta];
-                    let next = self.step(&state_array(x), &input, &self.model.grip, &road);
-                    found(i, Vector6::from(next), Matrix6x2::zeros());
+                    let next = self.next_on(x, u, &road).to_vector();
+                    found(i, next, Matrix6x2::zeros());
                 }
             }
         }
@@ -134,7 +142,7 @@ impl Discretized {
         x: &[T; NX],
         u: &[T; NU],
         grip: &[T; 2],
-        road: &impl Road,
+        road: &dyn Road,
     ) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
@@ -154,7 +162,7 @@ impl Discretized {
     /// Velocity rows jump to their new values, with gravity along the car at the start of the step;
     /// pose rows are integrated along the velocities of the pose convention.
     #[inline(always)]
-    fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &impl Road) -> [T; NX] {
+    fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &dyn Road) -> [T; NX] {
         let (substeps, h) = self.grid();
         let (measured, start) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
         let on_road = |v: &[T; 3], pose: &[T; 3]| {
@@ -191,14 +199,14 @@ impl Discretized {
 
 /// The dynamic model on any road. A closure would be compiled apart from the vector instructions
 /// around it: slow, and larger than all the rest of the program.
-struct Dynamics<'a, T, R> {
+struct Dynamics<'a, T> {
     model: &'a Model,
     held: &'a Held<T>,
     grip: &'a [T; 2],
-    road: &'a R,
+    road: &'a dyn Road,
 }
 
-impl<T: Number, R: Road> Rates<T, NX> for Dynamics<'_, T, R> {
+impl<T: Number> Rates<T, NX> for Dynamics<'_, T> {
     #[inline(always)]
     fn rates(&self, x: &[T; NX], _: f64, stage: &mut Stage<T, NX>) {
         let rates = self.model.rates_along(x, self.held, self.road, self.grip);

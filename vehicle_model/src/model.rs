@@ -107,13 +107,13 @@ impl Model {
 
     /// [`Model::derivative`] on any road.
     #[must_use]
-    pub fn derivative_along(&self, x: &State, u: &Input, road: &impl Road) -> [f64; NX] {
+    pub fn derivative_along(&self, x: &State, u: &Input, road: &dyn Road) -> [f64; NX] {
         self.rates_along(&state_array(x), &Held::new(&[u.a, u.delta]), road, &self.grip)
     }
 
     /// [`Model::forces`] on any road.
     #[must_use]
-    pub fn forces_along(&self, x: &State, u: &Input, road: &impl Road) -> AxleForces<f64> {
+    pub fn forces_along(&self, x: &State, u: &Input, road: &dyn Road) -> AxleForces<f64> {
         if road.is_flat() {
             return self.forces(x, u);
         }
@@ -154,7 +154,7 @@ impl Model {
         &self,
         x: &[T; NX],
         u: &Held<T>,
-        road: &impl Road,
+        road: &dyn Road,
         grip: &[T; 2],
     ) -> [T; NX] {
         if road.is_flat() {

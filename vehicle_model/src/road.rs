@@ -66,7 +66,7 @@ impl RoadPoint {
 
     /// Of a road at s.
     #[must_use]
-    pub fn of(road: &impl Road, s: f64) -> Self {
+    pub fn of(road: &dyn Road, s: f64) -> Self {
         let surface = (!road.is_flat()).then(|| road.surface(s));
         Self { kappa: road.kappa(s), surface }
     }

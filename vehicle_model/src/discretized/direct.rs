@@ -11,13 +11,13 @@ use crate::road::Road;
 use crate::state::{NU, NX};
 
 /// Directions are the state and the two parameters.
-pub(super) struct Direct<'a, R> {
+pub(super) struct Direct<'a> {
     pub(super) step: &'a Discretized,
     pub(super) by: By,
-    pub(super) road: &'a R,
+    pub(super) road: &'a dyn Road,
 }
 
-impl<R: Road> Sensitivities for Direct<'_, R> {
+impl Sensitivities for Direct<'_> {
     type Found<T: Real> = [Dual<T, DIRECTIONS>; NX];
 
     #[inline(always)]

@@ -37,18 +37,18 @@ pub(super) fn linearize<S: Sensitivities>(of: &S, x: &State, u: &Input) -> Linea
 pub(super) fn linearize_all(
     of: &impl Sensitivities,
     points: &[(State, Input)],
-    found: &mut impl FnMut(usize, Linearization),
+    found: &mut dyn FnMut(usize, Linearization),
 ) {
     Arch::new().dispatch(Task { of, points, found });
 }
 
-struct Task<'a, D, F> {
+struct Task<'a, D> {
     of: &'a D,
     points: &'a [(State, Input)],
-    found: &'a mut F,
+    found: &'a mut dyn FnMut(usize, Linearization),
 }
 
-impl<D: Sensitivities, F: FnMut(usize, Linearization)> WithSimd for Task<'_, D, F> {
+impl<D: Sensitivities> WithSimd for Task<'_, D> {
     type Output = ();
 
     #[inline(always)]

@@ -31,13 +31,13 @@ const Q: usize = P + 3 * N;
 const ALL: usize = Q + 3 * POSE.len();
 
 /// The Jacobians of a step on a flat road by the variational equations.
-pub(super) struct Variation<'a, R> {
+pub(super) struct Variation<'a> {
     pub(super) step: &'a Discretized,
     pub(super) by: By,
-    pub(super) road: &'a R,
+    pub(super) road: &'a dyn Road,
 }
 
-impl<R: Road> Sensitivities for Variation<'_, R> {
+impl Sensitivities for Variation<'_> {
     type Found<T: Real> = [T; ALL];
 
     #[inline(always)]
@@ -57,7 +57,7 @@ fn integrate<T: Real>(
     x: &[T; NX],
     u: [T; NU],
     by: By,
-    road: &impl Road,
+    road: &dyn Road,
 ) -> [T; ALL] {
     let mut y = [x[0].constant(0.0); ALL];
     y[..NX].copy_from_slice(x);
@@ -97,16 +97,16 @@ fn unpack(y: impl Fn(usize) -> f64) -> Linearization {
 
 /// State, V, P and Q as a system of differential equations. A closure would be compiled apart from
 /// the vector instructions around it.
-struct System<'a, T, K> {
+struct System<'a, T> {
     step: &'a Discretized,
     held: Held<Dual<T, N>>,
     grip: [Dual<T, N>; 2],
-    road: &'a K,
+    road: &'a dyn Road,
 }
 
-impl<'a, T: Real, K> System<'a, T, K> {
+impl<'a, T: Real> System<'a, T> {
     #[inline(always)]
-    fn new(step: &'a Discretized, u: [T; NU], by: By, road: &'a K) -> Self {
+    fn new(step: &'a Discretized, u: [T; NU], by: By, road: &'a dyn Road) -> Self {
         let grip = step.model.grip.map(|grip| u[0].constant(grip));
         let parameters = |p: [T; 2]| [Dual::direction(p[0], 3), Dual::direction(p[1], 4)];
         let (u, grip) = match by {
@@ -117,7 +117,7 @@ impl<'a, T: Real, K> System<'a, T, K> {
     }
 }
 
-impl<T: Real, K: Road> Rates<T, ALL> for System<'_, T, K> {
+impl<T: Real> Rates<T, ALL> for System<'_, T> {
     #[inline(always)]
     fn rates(&self, y: &[T; ALL], _: f64, stage: &mut Stage<T, ALL>) {
         let seed = Dual::<T, N>::direction;

@@ -48,7 +48,7 @@ pub(crate) struct Terrain<R> {
 impl<R: Real> Terrain<R> {
     /// Of a road at s.
     #[inline(always)]
-    pub(crate) fn new(road: &impl Road, s: R) -> Self {
+    pub(crate) fn new(road: &dyn Road, s: R) -> Self {
         let mut seen = [[0.0; 8]; MOST_LANES];
         let mut lane = 0;
         let _ = s.map(|s| {
