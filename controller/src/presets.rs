@@ -9,18 +9,12 @@ use crate::config::{
 
 choice! {
     /// A named set of settings.
-    Preset;
+    Preset default Race;
     /// As close to the paper as is known.
     Paper "paper";
     /// Our best: slip guards front and rear, acceleration rate nearly free after a gentle start,
     /// grip fitted by least squares.
     Race "race";
-}
-
-impl Default for Preset {
-    fn default() -> Self {
-        Self::Race
-    }
 }
 
 impl Config {

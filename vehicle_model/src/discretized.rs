@@ -137,13 +137,7 @@ impl Discretized {
     }
 
     #[inline(always)]
-    fn step<T: Number>(
-        &self,
-        x: &[T; NX],
-        u: &[T; NU],
-        grip: &[T; 2],
-        road: &dyn Road,
-    ) -> [T; NX] {
+    fn step<T: Number>(&self, x: &[T; NX], u: &[T; NU], grip: &[T; 2], road: &dyn Road) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
             ModelKind::Dynamic => {

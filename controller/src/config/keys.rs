@@ -243,11 +243,11 @@ macro_rules! section {
     };
 }
 
-/// Makes an enum whose variants are the words a key may have.
+/// Makes an enum whose variants are the words a key may have, and perhaps its default.
 macro_rules! choice {
     (
         $(#[doc = $about:literal])*
-        $name:ident;
+        $name:ident $(default $default:ident)?;
         $($(#[doc = $doc:literal])* $variant:ident $word:literal;)*
     ) => {
         $(#[doc = $about])*
@@ -255,6 +255,12 @@ macro_rules! choice {
         pub enum $name {
             $($(#[doc = $doc])* #[serde(rename = $word)] $variant,)*
         }
+
+        $(impl Default for $name {
+            fn default() -> Self {
+                Self::$default
+            }
+        })?
 
         impl $name {
             /// The words, with their meaning.

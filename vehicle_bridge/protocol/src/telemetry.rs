@@ -243,7 +243,7 @@ mod tests {
         let pose = Pose::Frenet(State::default());
         let command = controller.step(&Measurement { time: 0.0, pose, applied: None });
         let status = Status { state, ..command.status };
-        seen.add(&track, &Command { input: Input::default(), status, ..command }, false);
+        seen.add(&track, &Command { input: Input::default(), status }, false);
         assert_eq!(seen.violations, 1);
         assert!((seen.min_margin + 0.02).abs() < 1e-9, "{}", seen.min_margin);
     }
