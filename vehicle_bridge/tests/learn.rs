@@ -13,7 +13,7 @@ use lcm_types::eventlog::Writer;
 use lcm_types::{
     ActuationCommand, ActuationReport, Checked as _, Header, LapResult, VehicleState, channels,
 };
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};
 use transport::{Filter, Inbox};
@@ -230,7 +230,7 @@ fn twenty_laps_over_lcm_recorded_by_the_official_logger() {
         let plant = ["--plant", "noise=0.001", "--start-speed", "1", "--laps", "21", "--url", URL];
         let car = Program::start(&[&["vehicle", "sim", "--lock-step"][..], &plant].concat());
         let identity = Identity::new("driver");
-        let mut commands = Outlet::new(&network, &identity, channels::COMMAND);
+        let mut commands = Publisher::new(&network, &identity, channels::COMMAND);
         let (track, car_file) = (Track::builtin("l").unwrap(), CarParams::builtin("barc").unwrap());
         let mut driver = Driver::new(2.6);
         let mut answered = None;
