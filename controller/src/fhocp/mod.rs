@@ -5,7 +5,7 @@
 //!          + sum_t  l s_t + q s_t^2  (lane)  + w f_t  (front slip) + w g_t  (rear slip) + v p_t
 //!          + sum_t  c_f (alpha_f - ref_f)^2 + c_r (alpha_r - ref_r)^2   (tyre dissipation)
 //!          + J' lambda + e' E e
-//! subject to x_{t+1} = A_t x_t + B_t u_t + C_t
+//! subject to x_{t+1} = A_t x_t + B_t ((1 - lag) u_t + lag u_{t-1}) + C_t
 //!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
