@@ -3,7 +3,7 @@
 use vehicle_model::{Input, State};
 
 use crate::controller::Controller;
-use crate::learning::dataset::{Sample, select};
+use crate::learning::dataset::Sample;
 use crate::memory::Memory;
 use crate::status::{LapKind, LapResult};
 
@@ -64,9 +64,6 @@ impl Controller {
             close_part(&mut memory, last.time);
         }
         memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
-        for lap in 0..memory.dataset.laps.len() {
-            select(&mut memory.selected, &memory.dataset.laps, lap, &self.setup.config.safe_set);
-        }
         self.memory = memory;
         self.apply_learned();
         self.finish_learning();

@@ -105,6 +105,7 @@ impl Controller {
         // All residuals are those of other inputs now.
         self.memory.derived = Derived { made: true, ..Derived::default() };
         self.memory.lap_end.learned = 0;
+        self.memory.selected.clear();
     }
 
     /// Fills the queue with the inputs that do not act yet.

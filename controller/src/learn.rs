@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::controller::Controller;
 use crate::error::DataError;
-use crate::learning::dataset::{Lap, select};
+use crate::learning::dataset::Lap;
 use crate::memory::Memory;
 use crate::status::LapKind;
 use crate::store::{self, Identity, Learned};
@@ -48,9 +48,6 @@ impl Controller {
         memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;
         memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
         memory.learned = memory.learning;
-        for lap in 0..memory.dataset.laps.len() {
-            select(&mut memory.selected, &memory.dataset.laps, lap, &self.setup.config.safe_set);
-        }
         self.memory = memory;
         self.adopt_delay(learned.delay);
         self.learn_with(learned.grip);

@@ -5,7 +5,7 @@ use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
 use crate::filter::{Filter, Prediction, Smoothing};
-use crate::learning::dataset::{Sample, select};
+use crate::learning::dataset::Sample;
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
 
@@ -214,8 +214,6 @@ impl Observer<'_> {
         memory.smooth(usize::MAX, self.track);
         let finished = memory.dataset.close(memory.lap, kind, end_time);
         self.begin_smoothing(memory);
-        let laps = &memory.dataset.laps;
-        select(&mut memory.selected, laps, laps.len() - 1, &self.config.safe_set);
         if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
             memory.learned_laps += 1;
         }

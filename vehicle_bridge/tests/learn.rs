@@ -11,7 +11,8 @@ use std::time::Duration;
 use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::eventlog::Writer;
 use lcm_types::{
-    ActuationCommand, ActuationReport, Checked as _, Header, LapResult, VehicleState, channels,
+    ActuationCommand, ActuationReport, Checked as _, Header, LapResult, Message as _, VehicleState,
+    channels,
 };
 use protocol::publisher::{Identity, Publisher};
 use rand::SeedableRng as _;
@@ -310,7 +311,7 @@ fn serve_goes_on_from_a_drivers_laps() {
         Command::new("kill").args(["-INT", &pid]).status().unwrap();
         assert!(service.0.wait().unwrap().success());
         let laps: Vec<LapResult> = std::iter::from_fn(|| laps.take())
-            .map(|received| LapResult::open(&received.payload).unwrap())
+            .map(|received| LapResult::decode(&received.payload).unwrap())
             .collect();
         let times: Vec<f64> = laps.iter().map(|lap| lap.lap_time).collect();
         println!("driver {:.3}, then {times:?}", best(&rows));

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! R and Q are estimated while driving ([`noise`]). Measurements without noise pass as they are.
-//! A closed lap is smoothed before anything but the safe set takes it in ([`smooth`]).
+//! A closed lap is smoothed before anything is learned from it ([`smooth`]).
 
 mod noise;
 mod smooth;

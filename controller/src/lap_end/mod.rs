@@ -10,8 +10,8 @@
 //!
 //! A piece is [`Setup::piece`] samples: a number, not a time, so that results do not depend on the
 //! machine, and a multiple of the horizon, so that a piece costs about what linearising along the
-//! horizon costs. The safe set takes a lap in as soon as it is closed; grip, regression data and
-//! envelope change together with the last piece.
+//! horizon costs. Grip, regression data, envelope and safe set change together with the last piece:
+//! a safe set that is faster than the envelope allows leads plans astray.
 
 mod restore;
 #[cfg(test)]
@@ -31,7 +31,7 @@ use crate::learning::regression::{RegressionData, Target, leap_order};
 use crate::status::LapKind;
 
 /// Samples of a piece for each stage of the horizon.
-const SHARE: usize = 4;
+const SHARE: usize = 6;
 
 /// How far the work is.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -253,6 +253,10 @@ impl Controller {
     /// The last piece: what was made comes into force.
     fn change_over(&mut self) {
         let work = &mut self.memory.lap_end;
+        let laps = &self.memory.dataset.laps;
+        for lap in work.learned..work.laps {
+            select(&mut self.memory.selected, laps, lap, &self.setup.config.safe_set);
+        }
         (work.stage, work.learned) = (Stage::Idle, work.laps);
         let remembered = work.laps.saturating_sub(REMEMBERED);
         work.misses.retain(|miss| miss.lap >= remembered);
@@ -278,14 +282,10 @@ impl Controller {
         let Setup { car, config, track, .. } = &self.setup;
         let work = &self.memory.lap_end;
         let laps = &self.memory.dataset.laps[..work.learned];
-        let mut selected = Vec::new();
-        for lap in 0..laps.len() {
-            select(&mut selected, laps, lap, &config.safe_set);
-        }
         let known = |miss: &&NearMiss| miss.lap < laps.len() && miss.lap + REMEMBERED >= laps.len();
         let misses: Vec<NearMiss> = work.misses.iter().filter(known).copied().collect();
         let misses = (&misses[..], laps.len());
-        let chosen = selected.iter().map(|&i| &*laps[i]);
+        let chosen = self.memory.selected.iter().map(|&i| &*laps[i]);
         let grip = self.memory.grip;
         let envelope = Envelope::new(&config.envelope, car, grip, track, chosen, misses);
         self.memory.derived.envelope = Arc::new(envelope);
