@@ -245,3 +245,6 @@ impl Grip {
         self.still + self.downforce * v * v
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! What a near miss takes from the speed before it.
+
+use vehicle_model::{CarParams, Input, Segment, State, Track};
+
+use super::*;
+use crate::config::Config;
+use crate::status::{LapKind, LapResult};
+
+const BRAKING_FROM: f64 = 1000.0;
+const FAST: f64 = 40.0;
+const SLOW: f64 = 10.0;
+
+/// A ring road of 2 km.
+fn ring() -> Track {
+    let radius = 1000.0 / std::f64::consts::PI;
+    let half = Segment::arc(radius, std::f64::consts::PI);
+    Track::from_segments("ring", &[half, half], 6.0, 6.0).unwrap()
+}
+
+/// A lap at 40 m/s that brakes with `a` \[m/s^2\] to 10 m/s and then stays as slow.
+fn lap(a: f64) -> Lap {
+    let speed = |s: f64| {
+        let squared = FAST * FAST - 2.0 * a * (s - BRAKING_FROM).max(0.0);
+        squared.max(SLOW * SLOW).sqrt()
+    };
+    let sample = |i: u32| {
+        let s = f64::from(i);
+        let v_x = speed(s);
+        let x = State { v_x, omega_z: v_x * std::f64::consts::PI / 1000.0, s, ..State::default() };
+        Sample { time: s, x, u: Input::default(), next: None }
+    };
+    let result = LapResult { lap: 1, kind: LapKind::Learning, lap_time: 60.0, valid: true };
+    let samples = (0..2000).map(sample).collect();
+    Lap { result, samples, start_time: 0.0, end_time: 60.0, follows: true }
+}
+
+fn envelope(lap: &Lap, misses: &[NearMiss]) -> Envelope {
+    let car = CarParams::builtin("iac").unwrap();
+    let config = Config::default().envelope;
+    Envelope::new(&config, &car, [1.0; 2], &ring(), std::iter::once(lap), (misses, 1))
+}
+
+/// Where a lap braked harder than the envelope's own brakes do, a slower end takes the same kinetic
+/// energy off every speed before it: the braking stays that of the lap.
+#[test]
+fn before_a_near_miss_the_car_brakes_as_a_driven_lap_did() {
+    let a = 18.0;
+    let lap = lap(a);
+    let end = BRAKING_FROM + (FAST * FAST - SLOW * SLOW) / (2.0 * a);
+    let miss = NearMiss { lap: 0, s: [end, end + 20.0], speed: SLOW, used: 1.0 };
+    let (free, held) = (envelope(&lap, &[]), envelope(&lap, &[miss]));
+    let energy = SLOW * SLOW - miss.allowed(0) * miss.allowed(0);
+    for s in [1005.0, 1015.0, 1025.0, 1035.0] {
+        let driven = FAST * FAST - 2.0 * a * (s - BRAKING_FROM);
+        let expected = (driven - energy).sqrt();
+        assert!((held.at(s) - expected).abs() < 0.02 * expected, "{} not {expected}", held.at(s));
+        assert!(held.at(s) < free.at(s), "at {s} m");
+    }
+    assert!((held.at(end + 10.0) - miss.allowed(0)).abs() < 1e-9);
+    // Behind it nothing changes.
+    assert_eq!(held.at(end + 200.0), free.at(end + 200.0));
+}
+
+/// A lap that braked gently leaves it to the envelope's brakes, which need less room.
+#[test]
+fn before_a_near_miss_the_car_brakes_late_where_it_can() {
+    let lap = lap(6.0);
+    let end = BRAKING_FROM + (FAST * FAST - SLOW * SLOW) / 12.0;
+    let miss = NearMiss { lap: 0, s: [end, end + 20.0], speed: SLOW, used: 1.0 };
+    let (free, held) = (envelope(&lap, &[]), envelope(&lap, &[miss]));
+    assert!(held.at(end - 1.0) < free.at(end - 1.0));
+    assert_eq!(held.at(end - 75.0), free.at(end - 75.0));
+}
