@@ -61,13 +61,20 @@ fn before_a_near_miss_the_car_brakes_as_a_driven_lap_did() {
     assert_eq!(held.at(end + 200.0), free.at(end + 200.0));
 }
 
-/// A lap that braked gently leaves it to the envelope's brakes, which need less room.
+/// A lap that braked gently leaves it to the brakes of the car and its drag.
 #[test]
-fn before_a_near_miss_the_car_brakes_late_where_it_can() {
+fn before_a_near_miss_the_car_brakes_as_hard_as_it_can() {
     let lap = lap(6.0);
+    let car = CarParams::builtin("iac").unwrap();
     let end = BRAKING_FROM + (FAST * FAST - SLOW * SLOW) / 12.0;
     let miss = NearMiss { lap: 0, s: [end, end + 20.0], speed: SLOW, used: 1.0 };
-    let (free, held) = (envelope(&lap, &[]), envelope(&lap, &[miss]));
-    assert!(held.at(end - 1.0) < free.at(end - 1.0));
-    assert_eq!(held.at(end - 75.0), free.at(end - 75.0));
+    let held = envelope(&lap, &[miss]);
+    for s in [end - 50.0, end - 35.0, end - 20.0] {
+        let (here, after) = (held.at(s), held.at(s + 10.0));
+        let mean = 0.5 * (here + after);
+        let drag = 0.5 * car.rho * car.cd * car.area * mean * mean / car.mass;
+        let expected = 2.0 * 10.0 * (-car.a_min + drag);
+        let lost = here * here - after * after;
+        assert!((lost - expected).abs() < 0.02 * expected, "{lost} not {expected}");
+    }
 }
