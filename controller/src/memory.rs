@@ -130,14 +130,13 @@ impl Memory {
     pub(crate) fn smooth(&mut self, most: usize, track: &Track) -> usize {
         let Some(smoothing) = &mut self.smoothing else { return 0 };
         let done = smoothing.advance(most, track);
-        if smoothing.done() {
-            if let (Some(smoothing), Some(lap)) =
+        if smoothing.done()
+            && let (Some(smoothing), Some(lap)) =
                 (self.smoothing.take(), self.dataset.laps.last_mut())
-            {
-                let (samples, steps) = smoothing.finish();
-                *lap = Arc::new(Lap { samples, ..(**lap).clone() });
-                self.estimate.spare = steps;
-            }
+        {
+            let (samples, steps) = smoothing.finish();
+            *lap = Arc::new(Lap { samples, ..(**lap).clone() });
+            self.estimate.spare = steps;
         }
         done
     }

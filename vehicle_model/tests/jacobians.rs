@@ -139,8 +139,8 @@ fn grip_jacobian_is_the_difference_by_grip() {
                     step.next(x, u, |_| KAPPA).to_vector()
                 };
                 let difference = (shifted(H) - shifted(-H)) / (2.0 * H);
-                for i in 0..3 {
-                    assert_close(found[i][j], difference[i], "grip");
+                for (row, difference) in found.iter().zip(difference.iter()) {
+                    assert_close(row[j], *difference, "grip");
                 }
             }
         }
