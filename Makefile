@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast book doc fmu fmu-test fmu-bits fmu-old release lint bench clean
+.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release lint bench clean
 
 race:
 	tools/setup.sh race
@@ -25,6 +25,12 @@ test-fast:
 	cargo test --release -p vehicle_model -p controller -p house_tests
 	cargo test --release -p lcm_types -p safety -p mapping -p svg_page -p optimum_store -p hosting \
 		-p atomic_file -p protocol -p racing -p studies -p log_export --lib
+
+# The generated pages of docs/ and the golden files of tests, written anew.
+generated:
+	LMPC_WRITE_DOCS=1 cargo test --release -p controller -p lcm_types -p fmu_core -p vehicle_bridge \
+		--test configuration_page --test messages_page --test variables_page \
+		--test commands_page --test golden
 
 # The book of docs/ as HTML, in out/book. Needs `cargo install mdbook --locked`.
 book:

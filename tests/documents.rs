@@ -185,6 +185,19 @@ fn the_rustdoc_of_the_controller_links_to_files_that_exist() {
 }
 
 #[test]
+fn the_changelog_and_the_citation_are_of_this_version() {
+    let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    let version = workspace["workspace"]["package"]["version"].as_str().unwrap();
+    let changelog = read(&root().join("CHANGELOG.md"));
+    let newest = changelog.lines().find_map(|line| line.strip_prefix("## ")).unwrap();
+    // A version, or what comes after it.
+    let known = newest == "Unreleased" || newest.split(' ').next() == Some(version);
+    assert!(known, "CHANGELOG.md begins with {newest}, the workspace is {version}");
+    let citation = read(&root().join("CITATION.cff"));
+    assert!(citation.contains(&format!("\nversion: {version}\n")), "CITATION.cff: {version}");
+}
+
+#[test]
 fn the_readme_is_short() {
     assert!(read(&root().join("README.md")).lines().count() <= 150);
 }

@@ -14,12 +14,9 @@
 //! mean = (1 - beta) p + beta p(dt),   beta = m / e,   m = 1 - T/dt e
 //! ```
 //!
-//! so that the model of stage t, in terms of its input u_t, sees u_{t-1} too. u_{-1} is known; for
-//! later stages u_{t-1} differs from its plan about as u_t does from its own.
+//! so that stage t of the optimal control problem depends on u_{t-1} too.
 
 use vehicle_model::{CarParams, Input};
-
-use crate::affine::Affine;
 
 /// Actuators of a car over one period.
 #[derive(Debug, Clone)]
@@ -67,17 +64,9 @@ impl Actuators {
         Input { a: mean(from.a, to.a), delta: mean(from.delta, to.delta) }
     }
 
-    /// The model of the mean input as one of the first stage's input; `before` is known.
-    pub(crate) fn first_stage(&self, model: &Affine, before: Input) -> Affine {
-        let known = model.b * before.to_vector() * (1.0 - self.beta);
-        Affine { a: model.a, b: model.b * self.beta, c: model.c + known }
-    }
-
-    /// The model of the mean input as one of a later stage's input, about the planned inputs of
-    /// the stage before and its own.
-    pub(crate) fn later_stage(&self, model: &Affine, before: Input, own: Input) -> Affine {
-        let late = (before.to_vector() - own.to_vector()) * (1.0 - self.beta);
-        Affine { a: model.a, b: model.b, c: model.c + model.b * late }
+    /// Share of a period's mean that is the position it starts from.
+    pub(crate) fn carried(&self) -> f64 {
+        1.0 - self.beta
     }
 }
 

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector6};
 use vehicle_model::{CarParams, Input, Outline, State, Track};
 
+use crate::actuator::Actuators;
 use crate::config::Config;
 use crate::controller::Setup;
 use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
@@ -59,6 +60,7 @@ impl Workspace {
         problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
         problem.u_min = Vector2::new(car.a_min, -car.delta_max);
         problem.u_max = Vector2::new(car.a_max, car.delta_max);
+        problem.lag = Actuators::new(car, dt).carried();
         problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));
         problem.lane_linear = cost.lane_linear;
         problem.lane_quadratic = cost.lane_quadratic;
@@ -178,16 +180,11 @@ impl Workspace {
     fn regress(&mut self, setup: &Setup, memory: &Memory) {
         let (data, config) = (&memory.derived.regression, &setup.regression);
         self.supports.clear();
-        for (t, ((x, acting), u)) in self.points.iter().zip(&memory.plan.u).enumerate() {
-            let before = before(memory, t);
+        for (t, (x, acting)) in self.points.iter().enumerate() {
             let (error, support) =
                 learned_model::error(data, config, t, (x, acting), &mut self.scratch);
-            let learned = self.problem.model[t] + error;
-            self.problem.model[t] = if t == 0 {
-                setup.actuators.first_stage(&learned, before)
-            } else {
-                setup.actuators.later_stage(&learned, before, *u)
-            };
+            let model = &mut self.problem.model[t];
+            *model = *model + error;
             self.supports.push(support);
         }
     }

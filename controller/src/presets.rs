@@ -1,23 +1,20 @@
 //! Named sets of settings: `paper` for reproduction, `race` for speed.
 
-use serde::{Deserialize, Serialize};
-
+use crate::config::keys::choice;
 use crate::config::{
     Config, CostConfig, DelayConfig, EnvelopeConfig, Features, FilterConfig, Horizon, LimitsConfig,
     NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode, SafeSetConfig,
     Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
 
-/// A named set of settings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preset {
+choice! {
+    /// A named set of settings.
+    Preset default Race;
     /// As close to the paper as is known.
-    Paper,
+    Paper "paper";
     /// Our best: slip guards front and rear, acceleration rate nearly free after a gentle start,
     /// grip fitted by least squares.
-    #[default]
-    Race,
+    Race "race";
 }
 
 impl Config {

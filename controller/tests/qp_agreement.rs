@@ -40,7 +40,8 @@ fn differences<'a>(name: &str, problems: impl IntoIterator<Item = &'a Fhocp>) ->
         assert!(error < 1e-6, "{name} {k}: cost {cost}, not {least}");
         assert!((solution.lambda.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name} {k}");
         for t in 0..problem.horizon() {
-            let next = problem.model[t].apply(&solution.x[t], &solution.u[t]);
+            let before = if t == 0 { problem.u_prev } else { solution.u[t - 1] };
+            let next = problem.next(t, &solution.x[t], &solution.u[t], &before);
             let defect = (next - solution.x[t + 1]).amax();
             assert!(defect < 1e-8, "{name} {k}: dynamics off by {defect} at stage {t}");
         }
@@ -53,7 +54,7 @@ fn differences<'a>(name: &str, problems: impl IntoIterator<Item = &'a Fhocp>) ->
 #[test]
 fn random_problems_of_all_shapes() {
     let sizes = [(2, 1), (3, 2), (5, 7), (10, 24), (15, 30)];
-    for parts in 0..32 {
+    for parts in 0..64 {
         let (horizon, hull) = sizes[parts as usize % sizes.len()];
         let problems: Vec<Fhocp> = (0..6)
             .map(|seed| random(seed + 100 * u64::from(parts), horizon, hull, parts))

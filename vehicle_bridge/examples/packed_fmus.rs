@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
 use vehicle_host::Vehicle;
-use vehicle_host::fmu::{FmuOptions, FmuVehicle, Slave, Value, Variable};
+use vehicle_host::fmu::{CoSimInstance, FmuOptions, FmuVehicle, Value, Variable};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 const STEPS: usize = 400;
@@ -51,8 +51,8 @@ fn drives_as_the_native_plant(file: &Path) {
 }
 
 fn commands_as_the_native_controller(file: &Path) {
-    let mut fmu = Slave::open(file, None).unwrap();
-    let find = |fmu: &Slave, names: &[&str]| -> Vec<Variable> {
+    let mut fmu = CoSimInstance::open(file, None).unwrap();
+    let find = |fmu: &CoSimInstance, names: &[&str]| -> Vec<Variable> {
         names.iter().map(|name| fmu.variable(name).unwrap()).collect()
     };
     let (state, command) = (find(&fmu, &STATE), find(&fmu, &["cmd.a", "cmd.delta"]));

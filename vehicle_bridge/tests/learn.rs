@@ -11,9 +11,10 @@ use std::time::Duration;
 use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::eventlog::Writer;
 use lcm_types::{
-    ActuationCommand, ActuationReport, Checked as _, Header, LapResult, VehicleState, channels,
+    ActuationCommand, ActuationReport, Checked as _, Header, LapResult, Message as _, VehicleState,
+    channels,
 };
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};
 use transport::{Filter, Inbox};
@@ -207,7 +208,6 @@ fn first_lap_after(speed: f64) {
     write_log(&log, &rows);
     for more in [&[][..], &["--inputs", "reckoned"]] {
         let (account, times) = learn_and_race(folder.path(), &log, more);
-        println!("{account}driver {:.3}, then {times:?}", best(&rows));
         assert!(account.contains("20 of 20 laps taken"), "{account}");
         assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));
         assert!(times[2] < times[0], "{times:?}");
@@ -230,7 +230,7 @@ fn twenty_laps_over_lcm_recorded_by_the_official_logger() {
         let plant = ["--plant", "noise=0.001", "--start-speed", "1", "--laps", "21", "--url", URL];
         let car = Program::start(&[&["vehicle", "sim", "--lock-step"][..], &plant].concat());
         let identity = Identity::new("driver");
-        let mut commands = Outlet::new(&network, &identity, channels::COMMAND);
+        let mut commands = Publisher::new(&network, &identity, channels::COMMAND);
         let (track, car_file) = (Track::builtin("l").unwrap(), CarParams::builtin("barc").unwrap());
         let mut driver = Driver::new(2.6);
         let mut answered = None;
@@ -271,7 +271,6 @@ fn twenty_laps_over_lcm_recorded_by_the_official_logger() {
         Command::new("kill").args(["-INT", &pid]).status().unwrap();
         logger.wait().unwrap();
         let (account, times) = learn_and_race(folder.path(), &log, &[]);
-        println!("{account}then {times:?}");
         let taken = account.lines().filter(|line| line.ends_with("taken")).count();
         assert!(taken >= 19, "{account}");
         let driven: Vec<f64> = account
@@ -310,10 +309,9 @@ fn serve_goes_on_from_a_drivers_laps() {
         Command::new("kill").args(["-INT", &pid]).status().unwrap();
         assert!(service.0.wait().unwrap().success());
         let laps: Vec<LapResult> = std::iter::from_fn(|| laps.take())
-            .map(|received| LapResult::open(&received.payload).unwrap())
+            .map(|received| LapResult::decode(&received.payload).unwrap())
             .collect();
         let times: Vec<f64> = laps.iter().map(|lap| lap.lap_time).collect();
-        println!("driver {:.3}, then {times:?}", best(&rows));
         assert!(times.len() >= 3, "{times:?}");
         assert!(times.iter().all(|time| *time < best(&rows)), "{times:?} after {}", best(&rows));
         assert!(laps.iter().all(|lap| lap.valid && lap.store_key == learned), "{laps:?}");
@@ -328,7 +326,6 @@ fn commands_do_where_nothing_was_reported() {
     let table = folder.path().join("drive.csv");
     write_commands(&table, &rows);
     let (account, times) = learn_and_race(folder.path(), &table, &[]);
-    println!("{account}driver {:.3}, then {times:?}", best(&rows));
     assert!(account.contains("inputs recorded commands"), "{account}");
     assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));
 }
@@ -341,7 +338,6 @@ fn places_and_headings_alone_are_enough() {
     let table = folder.path().join("poses.csv");
     write_poses(&table, &rows);
     let (account, times) = learn_and_race(folder.path(), &table, &[]);
-    println!("{account}driver {:.3}, then {times:?}", best(&rows));
     assert!(account.contains("8 of 8 laps taken"), "{account}");
     assert!(account.contains("velocities are derivatives"), "{account}");
     assert!(times[0] < best(&rows), "{times:?} after {}", best(&rows));

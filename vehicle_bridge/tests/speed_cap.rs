@@ -8,7 +8,7 @@ use common::{MULTICAST, Program, URL, isolated};
 use controller::{Config, Controller};
 use lcm_types::eventlog::Writer;
 use lcm_types::{Checked as _, Message as _, OperatorAck, OperatorCommand, VehicleState, channels};
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use services::replay::{Replay, replay};
 use transport::{Filter, Inbox};
 use vehicle_model::{CarParams, Track};
@@ -59,7 +59,7 @@ fn a_drive_under_changing_caps_keeps_them_and_replays() {
         let serve = ["serve", "--url", URL, "--set", "warm_up.laps=1"];
         let _serve = Program::start(&serve);
         assert!(inbox.wait(PATIENCE).is_some(), "a heartbeat of `lmpc serve`");
-        let mut operator = Outlet::new(&network, &Identity::new("test"), channels::OPERATOR);
+        let mut operator = Publisher::new(&network, &Identity::new("test"), channels::OPERATOR);
         let _car = Program::start(&["vehicle", "sim", "--lock-step", "--url", URL]);
         let mut messages = Vec::new();
         // The speeds after each answer to an order, in the order of the messages.

@@ -124,6 +124,13 @@ fn the_body_counts_unless_asked_otherwise() {
     let row = &rows(&body)[0];
     assert_eq!((row["failure"].as_str(), row["fail_lap"].as_str()), ("off_track", "0"));
     study(&[&cell[..], &["--centre-of-gravity"]].concat(), &centre);
+    let paper = ["--preset", "paper", "--set", "warm_up.speed_mps=1.2"];
+    let (alone, asked) = (folder.path().join("paper"), folder.path().join("paper-body"));
+    study(&[&cell[..], &paper].concat(), &alone);
+    assert_ne!(rows(&alone)[0]["fail_lap"], "0", "the paper's rule is the centre of gravity");
+    assert_eq!(study(&[&cell[..], &paper, &["--body"]].concat(), &asked).status.code(), Some(3));
+    let row = &rows(&asked)[0];
+    assert_eq!((row["failure"].as_str(), row["fail_lap"].as_str()), ("off_track", "0"));
     let row = &rows(&centre)[0];
     assert_ne!((row["failure"].as_str(), row["fail_lap"].as_str()), ("off_track", "0"), "{row:?}");
 }

@@ -56,7 +56,7 @@ impl Discretized {
 
     // With a road of any kind these are compiled once, and not by every crate that calls them.
     fn next_on(&self, x: &State, u: &Input, road: &dyn Road) -> State {
-        let next = self.step(&state_array(x), &[u.a, u.delta], &self.model.grip, road);
+        let next = self.step::<_, false>(&state_array(x), &[u.a, u.delta], &self.model.grip, road);
         State::from_vector(&Vector6::from(next))
     }
 
@@ -136,13 +136,20 @@ impl Discretized {
         (substeps, h)
     }
 
+    /// `HILLS`: the road is known not to be flat, unless the model is kinematic.
     #[inline(always)]
-    fn step<T: Number>(&self, x: &[T; NX], u: &[T; NU], grip: &[T; 2], road: &dyn Road) -> [T; NX] {
+    fn step<T: Number, const HILLS: bool>(
+        &self,
+        x: &[T; NX],
+        u: &[T; NU],
+        grip: &[T; 2],
+        road: &dyn Road,
+    ) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
             ModelKind::Dynamic => {
                 let (substeps, h) = self.grid();
-                let system = Dynamics { model: &self.model, held: &u, grip, road };
+                let system = Dynamics::<T, HILLS> { model: &self.model, held: &u, grip, road };
                 let mut x = *x;
                 for _ in 0..substeps {
                     x = runge_kutta_4(&x, h, &system);
@@ -193,17 +200,22 @@ impl Discretized {
 
 /// The dynamic model on any road. A closure would be compiled apart from the vector instructions
 /// around it: slow, and larger than all the rest of the program.
-struct Dynamics<'a, T> {
+struct Dynamics<'a, T, const HILLS: bool> {
     model: &'a Model,
     held: &'a Held<T>,
     grip: &'a [T; 2],
     road: &'a dyn Road,
 }
 
-impl<T: Number> Rates<T, NX> for Dynamics<'_, T> {
+impl<T: Number, const HILLS: bool> Rates<T, NX> for Dynamics<'_, T, HILLS> {
     #[inline(always)]
     fn rates(&self, x: &[T; NX], _: f64, stage: &mut Stage<T, NX>) {
-        let rates = self.model.rates_along(x, self.held, self.road, self.grip);
+        let Self { model, held, grip, road } = self;
+        let rates = if HILLS {
+            model.derivative_on(x, held, &Terrain::new(*road, x[4].real()), grip)
+        } else {
+            model.rates_along(x, held, *road, grip)
+        };
         for (i, rate) in rates.into_iter().enumerate() {
             stage.take(i, rate);
         }

@@ -165,7 +165,7 @@ impl Model {
 
     /// The same on a road that is not flat.
     #[inline(always)]
-    fn derivative_on<T: Number>(
+    pub(crate) fn derivative_on<T: Number>(
         &self,
         x: &[T; NX],
         u: &Held<T>,

@@ -139,8 +139,8 @@ fn grip_jacobian_is_the_difference_by_grip() {
                     step.next(x, u, |_| KAPPA).to_vector()
                 };
                 let difference = (shifted(H) - shifted(-H)) / (2.0 * H);
-                for (row, difference) in found.iter().zip(difference.iter()) {
-                    assert_close(row[j], *difference, "grip");
+                for (by_grip, difference) in found.iter().zip(difference.iter()) {
+                    assert_close(by_grip[j], *difference, "grip");
                 }
             }
         }

@@ -1,49 +1,34 @@
-//! Settings for what nobody planned: incidents and delay.
+//! Settings for what nobody planned: incidents, delay and noise.
 
-use serde::{Deserialize, Serialize};
-use vehicle_model::NX;
+use super::keys::section;
 
-use super::check::Check;
-
-/// Delay compensation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DelayConfig {
+section! {
+    /// Delay compensation.
+    DelayConfig in delay;
     /// Whole periods between a command and its effect; the state is predicted through the
-    /// queued inputs. [0, 20]
-    pub steps: usize,
+    /// queued inputs.
+    steps "steps": usize, symbol "", unit "", range (0, 20), from preset;
     /// With `steps = 0`: whether the initial laps tell how many periods it takes.
-    pub estimate: bool,
+    estimate "estimate": bool, symbol "", unit "", range (), from preset;
 }
 
-/// What happens after a spin, an excursion, a standstill or a start askew.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RecoveryConfig {
+section! {
+    /// What happens after a spin, an excursion, a standstill or a start askew.
+    RecoveryConfig in recovery;
     /// Whether the controller drives back to the line by itself. Without it a car that points the
     /// wrong way, or is far off, brakes until its host resets it.
-    pub active: bool,
+    active "active": bool, symbol "", unit "", range (), from preset;
 }
 
-/// Estimation of the state in front of the controller.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FilterConfig {
+section! {
+    /// Estimation of the state in front of the controller.
+    FilterConfig in filter;
     /// Whether measurements are filtered.
-    pub active: bool,
+    active "active": bool, symbol "", unit "", range (), from preset;
     /// Whether the source measures velocities; otherwise those it sends are ignored.
-    pub velocities: bool,
+    velocities "velocities": bool, symbol "", unit "", range (), from preset;
     /// Standard deviations of the measurement in state order; 0 is estimated while driving.
-    pub noise: [f64; NX],
-    /// What the model may get wrong, as a share of the acceleration that the grip allows. [0, 1]
-    pub model_error: f64,
-}
-
-impl FilterConfig {
-    pub(super) fn check(&self, check: &mut Check) {
-        check.range("filter.model_error", self.model_error, 1e-6, 1.0);
-        for noise in self.noise {
-            check.range("filter.noise", noise, 0.0, 1e3);
-        }
-    }
+    noise "noise": [f64; 6], symbol "", unit "", range (0.0, 1e3), from preset;
+    /// What the model may get wrong, as a share of the acceleration that the grip allows.
+    model_error "model_error": f64, symbol "", unit "", range (1e-6, 1.0), from preset;
 }

@@ -20,6 +20,7 @@ pub(super) struct Shape {
     pub(super) front: bool,
     pub(super) rear: bool,
     pub(super) speed: bool,
+    pub(super) lag: bool,
 }
 
 impl Shape {
@@ -31,6 +32,7 @@ impl Shape {
             front: problem.front_max.is_finite(),
             rear: problem.rear_max.is_finite(),
             speed: problem.speed_max.iter().any(|v| v.is_finite()),
+            lag: problem.lag != 0.0,
         }
     }
 
@@ -165,8 +167,12 @@ fn slip_cost(problem: &Fhocp, shape: &Shape, t: usize, out: &mut impl Entries) {
 fn equalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) {
     let n = shape.horizon;
     for (t, model) in problem.model.iter().enumerate() {
-        // x_{t+1} - A x_t - B u_t = C, with x_0 known.
-        let known = if t == 0 { model.a * problem.x_0 + model.c } else { model.c };
+        // x_{t+1} - A x_t - B ((1 - lag) u_t + lag u_{t-1}) = C, with x_0 and u_{-1} known.
+        let known = if t == 0 {
+            model.a * problem.x_0 + model.c + model.b * problem.u_prev * problem.lag
+        } else {
+            model.c
+        };
         for i in 0..NX {
             rows.a(shape.x(t + 1) + i, 1.0);
             if t > 0 {
@@ -175,7 +181,10 @@ fn equalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) {
                 }
             }
             for j in 0..NU {
-                rows.a(shape.u(t) + j, -model.b[(i, j)]);
+                rows.a(shape.u(t) + j, -model.b[(i, j)] * (1.0 - problem.lag));
+                if shape.lag && t > 0 {
+                    rows.a(shape.u(t - 1) + j, -model.b[(i, j)] * problem.lag);
+                }
             }
             rows.end(known[i]);
         }

@@ -5,7 +5,7 @@
 //!          + sum_t  l s_t + q s_t^2  (lane)  + w f_t  (front slip) + w g_t  (rear slip) + v p_t
 //!          + sum_t  c_f (alpha_f - ref_f)^2 + c_r (alpha_r - ref_r)^2   (tyre dissipation)
 //!          + J' lambda + e' E e
-//! subject to x_{t+1} = A_t x_t + B_t u_t + C_t
+//! subject to x_{t+1} = A_t x_t + B_t ((1 - lag) u_t + lag u_{t-1}) + C_t
 //!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
@@ -76,8 +76,10 @@ pub struct Fhocp {
     pub x_0: Vector6<f64>,
     /// Input before the first, u_{-1}.
     pub u_prev: Vector2<f64>,
-    /// Model of each stage, N.
+    /// Model of each stage in terms of its mean input, N.
     pub model: Vec<Affine>,
+    /// Share of u_{t-1} in the mean input of stage t, the rest being u_t; 0 without actuator lag.
+    pub lag: f64,
     /// Weight c_u of each squared input.
     pub input_cost: Vector2<f64>,
     /// Weight r of each squared difference of successive inputs.
@@ -128,6 +130,7 @@ impl Fhocp {
             x_0: Vector6::zeros(),
             u_prev: Vector2::zeros(),
             model: vec![Affine::default(); horizon],
+            lag: 0.0,
             input_cost: Vector2::zeros(),
             rate_cost: Vector2::zeros(),
             u_min: Vector2::repeat(-1.0),
@@ -155,6 +158,21 @@ impl Fhocp {
     #[must_use]
     pub fn horizon(&self) -> usize {
         self.model.len()
+    }
+
+    /// State after stage t from x_t, u_t and the input before it.
+    #[must_use]
+    pub fn next(
+        &self,
+        t: usize,
+        x: &Vector6<f64>,
+        u: &Vector2<f64>,
+        before: &Vector2<f64>,
+    ) -> Vector6<f64> {
+        if self.lag == 0.0 {
+            return self.model[t].apply(x, u);
+        }
+        self.model[t].apply(x, &(u * (1.0 - self.lag) + before * self.lag))
     }
 
     /// Whether every number that reaches a solver is finite (infinite bounds apart).

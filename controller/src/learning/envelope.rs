@@ -167,25 +167,29 @@ impl Envelope {
         }
     }
 
-    /// Less where `misses`, of `count` laps in all, say so, and as far before as braking takes.
+    /// Less where `misses`, of `count` laps in all, say so, and as far before as braking takes: the
+    /// brakes of the envelope, or where a driven lap braked harder, those of that lap.
     fn slow_down(&mut self, braking: &Braking<'_>, (misses, count): (&[NearMiss], usize)) {
         if misses.is_empty() {
             return;
         }
         let n = self.speed.len();
-        // The driven speeds are done with: their memory serves.
-        self.driven.fill(f64::INFINITY);
+        let mut allowed = vec![f64::INFINITY; n];
         for miss in misses {
             let age = count - 1 - miss.lap;
             let first = (miss.s[0] / self.ds).floor().max(0.0) as usize;
             let last = (miss.s[1] / self.ds).ceil().max(0.0) as usize;
             for i in first..=last {
-                let here = &mut self.driven[i % n];
+                let here = &mut allowed[i % n];
                 *here = here.min(miss.allowed(age));
             }
         }
-        backward(&mut self.driven, |i, here, after| here.min(braking.reaching(i, after)));
-        for (speed, most) in self.speed.iter_mut().zip(&self.driven) {
+        let driven = &self.driven;
+        backward(&mut allowed, |i, here, after| {
+            let lost = driven[i] * driven[i] - driven[(i + 1) % n] * driven[(i + 1) % n];
+            here.min(braking.reaching(i, after).max((after * after + lost.max(0.0)).sqrt()))
+        });
+        for (speed, most) in self.speed.iter_mut().zip(&allowed) {
             *speed = speed.min(*most);
         }
     }

@@ -25,8 +25,8 @@ impl Random {
     }
 }
 
-/// A random problem; bits 0..5 of `parts` switch on the rate limits of a and delta, the front and
-/// rear guard and the speed cap.
+/// A random problem; bits 0..6 of `parts` switch on the rate limits of a and delta, the front and
+/// rear guard, the speed cap and the actuators' lag.
 pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
     let r = &mut Random::new(seed);
     let mut problem = Fhocp::new(horizon, hull);
@@ -43,6 +43,7 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
         // Nothing depends on where along the track the car is.
         model.a.set_column(4, &Vector6::ith(4, 1.0));
     }
+    problem.lag = if parts >> 5 & 1 == 1 { 0.8 * r.share() } else { 0.0 };
     problem.input_cost = Vector2::new(0.01 + 0.1 * r.share(), 0.01 + 0.1 * r.share());
     problem.rate_cost = Vector2::new(r.share(), 10.0 * r.share());
     problem.u_max = Vector2::new(1.0 + r.share(), 0.3 + 0.2 * r.share());

@@ -16,7 +16,7 @@ use super::proxy::Start;
 use hosting::realtime;
 use hosting::worker::Worker;
 use protocol::convert;
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use transport::{Filter, Inbox, Received, Transport, now};
 
 const PULSE: Duration = Duration::from_millis(100);
@@ -98,20 +98,20 @@ impl Driver {
 
 /// What one start of the controller sends on.
 struct Outlets {
-    commands: Outlet,
-    pulse: Outlet,
-    map: Outlet,
-    setup: Outlet,
+    commands: Publisher,
+    pulse: Publisher,
+    map: Publisher,
+    setup: Publisher,
 }
 
 impl Outlets {
     fn new(network: &Arc<dyn Transport>) -> Self {
         let identity = Identity::new("lmpc");
         Self {
-            commands: Outlet::new(network, &identity, channels::COMMAND),
-            pulse: Outlet::new(network, &identity, "HB/lmpc"),
-            map: Outlet::new(network, &identity, channels::TRACK),
-            setup: Outlet::new(network, &identity, channels::SETUP),
+            commands: Publisher::new(network, &identity, channels::COMMAND),
+            pulse: Publisher::new(network, &identity, "HB/lmpc"),
+            map: Publisher::new(network, &identity, channels::TRACK),
+            setup: Publisher::new(network, &identity, channels::SETUP),
         }
     }
 }

@@ -27,7 +27,8 @@ pub enum Measure {
     PlanTicks,
     /// Messages the car side's heartbeat counts as refused.
     Refused,
-    /// States in which the car's centre was beyond the edge of the track.
+    /// States in which a part of the car's body was beyond the edge of the track. By the car's true
+    /// state where it sends it.
     OffTrack,
     /// How far the car's body was beyond the edge of the track, at most; negative if it never was. By
     /// the car's true state where it tells it. \[m\]

@@ -6,12 +6,13 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use hosting::rule::Edges;
 use lcm_types::eventlog::Reader;
 use lcm_types::{
     ActuationReport, Checked as _, Frenet, Heartbeat, Message as _, OperatorAck, VehicleState,
     channels,
 };
-use vehicle_model::{Limiter, Outline, State, Track};
+use vehicle_model::{Limiter, State, Track};
 
 use super::controller_side::{Controller, log_dropped};
 use super::measure::{Measure, Values};
@@ -54,7 +55,7 @@ pub(super) struct Heard {
 /// What a run is measured by.
 pub(super) struct Rule<'a> {
     pub(super) limiter: Limiter,
-    pub(super) outline: Outline,
+    pub(super) edges: Edges,
     pub(super) track: &'a Track,
     /// Whether only a grant lets the car drive.
     pub(super) latching: bool,
@@ -167,18 +168,16 @@ impl Heard {
     fn of_states(&self, start_ns: i64, rule: &Rule<'_>, values: &mut Values) {
         let states = if self.truth.is_empty() { &self.states } else { &self.truth };
         let track = rule.track;
-        let beyond = states.iter().filter(|state| state.h.mono_ns >= start_ns).map(|state| {
+        let beyond = |state: &VehicleState| {
             let Frenet { s, e_y, e_psi, .. } = state.frenet;
-            rule.outline.overhang(track, &State { s, e_y, e_psi, ..State::default() })
-        });
-        let beyond = beyond.fold(f64::NEG_INFINITY, f64::max);
-        if beyond.is_finite() {
-            values.insert(Measure::BeyondM, beyond);
+            rule.edges.beyond(track, &State { s, e_y, e_psi, ..State::default() })
+        };
+        let observed = states.iter().filter(|state| state.h.mono_ns >= start_ns);
+        let farthest = observed.map(beyond).fold(f64::NEG_INFINITY, f64::max);
+        if farthest.is_finite() {
+            values.insert(Measure::BeyondM, farthest);
         }
-        let off = states.iter().filter(|state| {
-            let f = &state.frenet;
-            f.e_y > track.width_left(f.s) || -f.e_y > track.width_right(f.s)
-        });
+        let off = states.iter().filter(|state| beyond(state) > 0.0);
         values.insert(Measure::OffTrack, off.count() as f64);
         let after: Vec<_> = states.iter().filter(|s| s.h.mono_ns >= start_ns).collect();
         if after.last().is_some_and(|state| state.vx < 0.05) {
@@ -221,6 +220,7 @@ impl Heard {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use hosting::rule::TrackLimit;
 
     use super::*;
     use crate::passed::Passing;
@@ -257,8 +257,9 @@ mod tests {
             speed_cap: f64::INFINITY,
         };
         let track = Track::builtin("l").unwrap();
-        let outline = Outline::new(&vehicle_model::CarParams::builtin("barc").unwrap());
-        let rule = Rule { limiter, outline, track: &track, latching: true };
+        let car = vehicle_model::CarParams::builtin("barc").unwrap();
+        let edges = Edges::new(&car, TrackLimit::Body);
+        let rule = Rule { limiter, edges, track: &track, latching: true };
         let values = heard.values(10 * MS, &passed, &rule);
         let expected = [
             (Measure::LossToStopMs, 31.0),
@@ -273,5 +274,25 @@ mod tests {
             let found = values.get(measure).unwrap();
             assert!((found - value).abs() < 1e-9, "{measure:?}: {values:?}");
         }
+    }
+
+    #[test]
+    fn a_body_beyond_the_edge_is_off_the_track() {
+        let track = Track::builtin("l").unwrap();
+        let car = vehicle_model::CarParams::builtin("barc").unwrap();
+        // On a straight, heading along it: centres 1 mm on either side of the body's limit.
+        let limit = track.width_left(0.5) - 0.5 * car.width;
+        let state = |e_y: f64| VehicleState {
+            frenet: Frenet { s: 0.5, e_y, ..Frenet::default() },
+            vx: 1.0,
+            ..VehicleState::default()
+        };
+        let heard =
+            Heard { states: vec![state(limit - 1e-3), state(limit + 1e-3)], ..Heard::default() };
+        let edges = Edges::new(&car, TrackLimit::Body);
+        let rule = Rule { limiter: Limiter::new(&car), edges, track: &track, latching: true };
+        let values = heard.values(0, &Passed::default(), &rule);
+        assert_eq!(values.get(Measure::OffTrack), Some(1.0));
+        assert!((values.get(Measure::BeyondM).unwrap() - 1e-3).abs() < 1e-9);
     }
 }

@@ -19,7 +19,7 @@ use super::fault::{Action, Fault, Field};
 use super::field::FieldMemory;
 use super::random::{self, Random};
 use protocol::convert;
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use transport::{Transport, now};
 use vehicle_host::{Vehicle, VehicleError};
 
@@ -69,14 +69,14 @@ pub struct FaultyCar {
     file: PathBuf,
     start_ns: i64,
     active: Vec<Active>,
-    truth: Outlet,
+    truth: Publisher,
 }
 
 impl FaultyCar {
     /// Of a car, with the faults that will be in `file`; its truth goes to `network`.
     #[must_use]
     pub fn new(vehicle: Box<dyn Vehicle>, file: &Path, network: &Arc<dyn Transport>) -> Self {
-        let truth = Outlet::new(network, &Identity::new("car"), TRUTH);
+        let truth = Publisher::new(network, &Identity::new("car"), TRUTH);
         Self { vehicle, file: file.to_owned(), start_ns: i64::MAX, active: Vec::new(), truth }
     }
 

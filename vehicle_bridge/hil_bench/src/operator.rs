@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use lcm_types::{Heartbeat, OperatorAck, OperatorCommand, channels};
 
 use super::fault::Order;
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
 use transport::Transport;
 
 const ARM_REPEAT: Duration = Duration::from_millis(100);
@@ -37,7 +37,7 @@ pub(super) enum Switch {
 
 /// The operator.
 pub(super) struct Operator {
-    outlet: Outlet,
+    publisher: Publisher,
     /// The grant in force, as last heard. \[-\]
     pub(super) token: i64,
     /// Whether the car side says that it drives.
@@ -52,7 +52,7 @@ pub(super) struct Operator {
 impl Operator {
     pub(super) fn new(network: &Arc<dyn Transport>) -> Self {
         Self {
-            outlet: Outlet::new(network, &Identity::new("operator"), channels::OPERATOR),
+            publisher: Publisher::new(network, &Identity::new("operator"), channels::OPERATOR),
             token: 0,
             running: false,
             next: Instant::now(),
@@ -119,7 +119,7 @@ impl Operator {
 
     fn say(&mut self, request_id: i64, command: i8, deadman: bool) {
         let message = OperatorCommand {
-            h: self.outlet.header(),
+            h: self.publisher.header(),
             command,
             request_id,
             arm_token: self.token,
@@ -128,6 +128,6 @@ impl Operator {
             ..OperatorCommand::default()
         };
         // What the network refuses is lost, as anything may be.
-        let _ = self.outlet.send_sealed(&message);
+        let _ = self.publisher.send_sealed(&message);
     }
 }

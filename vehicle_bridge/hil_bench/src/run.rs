@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
+use hosting::rule::{Edges, TrackLimit};
 use lcm_types::channels;
 use rand::RngExt as _;
-use vehicle_model::{CarParams, Limiter, Outline, Track};
+use vehicle_model::{CarParams, Limiter, Track};
 
 use super::bench::{Bench, Scenario, Source};
 use super::driver::{Driver, Progress, Task};
@@ -195,8 +196,8 @@ fn drive(
         None => Heard::of(&heard, ended),
     };
     let limiter = Limiter::new(&place.car);
-    let outline = Outline::new(&place.car);
-    let rule = Rule { limiter, outline, track: &place.track, latching: place.bench.arming };
+    let edges = Edges::new(&place.car, TrackLimit::Body);
+    let rule = Rule { limiter, edges, track: &place.track, latching: place.bench.arming };
     let mut values = heard.values(begins, &passed, &rule);
     values.insert(Measure::Crashes, crashes as f64);
     values.insert(Measure::MemoryMb, growth);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use controller::Config;
+use controller::{Config, Preset};
 use vehicle_model::{CarParams, Outline, State, Track};
 
 /// Slowest speed that still counts as driving [m/s].
@@ -45,13 +45,49 @@ impl FailureReason {
 }
 
 /// What has to stay between the edges of the track.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackLimit {
     /// The whole body: length, width and heading count.
     Body,
     /// The centre of gravity, as in the paper's studies.
-    #[default]
     CentreOfGravity,
+}
+
+impl TrackLimit {
+    /// What is judged unless somebody asks for something else: the body. The preset `paper` keeps
+    /// the centre of gravity inside, as the paper does, and is judged by that.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        match config.preset {
+            Preset::Race => Self::Body,
+            Preset::Paper => Self::CentreOfGravity,
+        }
+    }
+}
+
+/// Judges whether a car is on the track. Races, studies, simulated cars on a network, the messages
+/// of a lap and the verdicts of a bench all judge by this.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edges {
+    /// The body that has to stay inside; none where only the centre of gravity counts.
+    outline: Option<Outline>,
+}
+
+impl Edges {
+    /// For a car whose body or centre of gravity has to stay inside.
+    #[must_use]
+    pub fn new(car: &CarParams, limit: TrackLimit) -> Self {
+        Self { outline: (limit == TrackLimit::Body).then(|| Outline::new(car)) }
+    }
+
+    /// How far what has to stay inside is beyond an edge; negative inside \[m\].
+    #[must_use]
+    pub fn beyond(&self, track: &Track, x: &State) -> f64 {
+        match &self.outline {
+            Some(outline) => outline.overhang(track, x),
+            None => (x.e_y - track.width_left(x.s)).max(-x.e_y - track.width_right(x.s)),
+        }
+    }
 }
 
 /// When a run ends: body or centre of gravity beyond a track edge, |e_psi| above pi/2, v_x below
@@ -60,8 +96,8 @@ pub enum TrackLimit {
 pub struct FailureRule {
     /// Longest time a lap may take \[s\].
     pub lap_time_limit: f64,
-    /// The body that has to stay inside; none where only the centre of gravity counts.
-    pub outline: Option<Outline>,
+    /// What is off the track.
+    pub edges: Edges,
 }
 
 impl FailureRule {
@@ -69,8 +105,7 @@ impl FailureRule {
     #[must_use]
     pub fn new(config: &Config, track: &Track, car: &CarParams, limit: TrackLimit) -> Self {
         let slow_lap = WARM_UP_TIMES * track.length() / config.warm_up.speed;
-        let outline = (limit == TrackLimit::Body).then(|| Outline::new(car));
-        Self { lap_time_limit: slow_lap.max(LAP_TIME_LIMIT), outline }
+        Self { lap_time_limit: slow_lap.max(LAP_TIME_LIMIT), edges: Edges::new(car, limit) }
     }
 
     /// Whether a true state, `lap_time` \[s\] after the line, ends the run.
@@ -79,7 +114,7 @@ impl FailureRule {
         if !x.is_finite() {
             return Some(FailureReason::NotFinite);
         }
-        if self.beyond(track, x) > 0.0 {
+        if self.edges.beyond(track, x) > 0.0 {
             return Some(FailureReason::OffTrack);
         }
         if x.e_psi.abs() > FRAC_PI_2 {
@@ -92,15 +127,6 @@ impl FailureRule {
             return Some(FailureReason::Standstill);
         }
         (lap_time > self.lap_time_limit).then_some(FailureReason::NoLap)
-    }
-
-    /// How far what has to stay inside is beyond an edge; negative inside \[m\].
-    #[must_use]
-    pub fn beyond(&self, track: &Track, x: &State) -> f64 {
-        match &self.outline {
-            Some(outline) => outline.overhang(track, x),
-            None => (x.e_y - track.width_left(x.s)).max(-x.e_y - track.width_right(x.s)),
-        }
     }
 }
 
@@ -135,12 +161,16 @@ mod tests {
     fn a_body_reaches_the_edge_before_its_centre_does() {
         let track = Track::builtin("l").unwrap();
         let car = CarParams::builtin("barc").unwrap();
-        let rule = FailureRule::new(&Config::default(), &track, &car, TrackLimit::Body);
+        let rule =
+            FailureRule::new(&Config::default(), &track, &car, TrackLimit::of(&Config::default()));
         // On a straight, heading along it, the body reaches half its width.
         let e_y = track.width_left(0.5) - 0.5 * car.width;
         let at = |e_y: f64| State { v_x: 1.0, s: 0.5, e_y, ..State::default() };
         assert_eq!(rule.broken(&track, &at(e_y - 1e-9), 0.0), None);
         assert_eq!(rule.broken(&track, &at(e_y + 1e-9), 0.0), Some(FailureReason::OffTrack));
-        assert!((rule.beyond(&track, &at(e_y + 0.02)) - 0.02).abs() < 1e-9);
+        assert!((rule.edges.beyond(&track, &at(e_y + 0.02)) - 0.02).abs() < 1e-9);
+        let paper = Config::preset(Preset::Paper);
+        let rule = FailureRule::new(&paper, &track, &car, TrackLimit::of(&paper));
+        assert_eq!(rule.broken(&track, &at(e_y + 0.02), 0.0), None);
     }
 }

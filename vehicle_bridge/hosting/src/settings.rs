@@ -1,11 +1,14 @@
 //! A configuration put together from layers: preset, embedded settings, the user's file, single
 //! keys from the command line.
 
+use std::fmt;
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use controller::Config;
+use controller::config::SECTIONS;
+use controller::config::keys::{Derivation, Key, Value as Current};
+use controller::{Config, Preset};
 use toml::{Table, Value};
 use vehicle_model::{CarParams, Track};
 
@@ -14,10 +17,51 @@ use vehicle_model::{CarParams, Track};
 #[error("{0}")]
 pub struct Usage(pub String);
 
+/// Where the value of a key comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// From the preset.
+    Preset(Preset),
+    /// From the car, by this rule.
+    Car(&'static str),
+    /// From car and track, by this rule.
+    CarAndTrack(&'static str),
+    /// From the file of this name.
+    File(String),
+    /// From `--set` or another option.
+    CommandLine,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Preset(Preset::Paper) => f.write_str("preset paper"),
+            Self::Preset(Preset::Race) => f.write_str("preset race"),
+            Self::Car(_) => f.write_str("car"),
+            Self::CarAndTrack(_) => f.write_str("car and track"),
+            Self::File(name) => f.write_str(name),
+            Self::CommandLine => f.write_str("command line"),
+        }
+    }
+}
+
+/// A key, its value in a configuration and where that comes from.
+#[derive(Debug, Clone)]
+pub struct Setting<'a> {
+    /// The key.
+    pub key: &'static Key,
+    /// Its value.
+    pub value: Current<'a>,
+    /// Where the value comes from.
+    pub origin: Origin,
+}
+
 /// Layers of a configuration, the later over the earlier.
 #[derive(Debug, Clone, Default)]
 pub struct Layers {
     table: Table,
+    /// Each layer's own keys, the latest last.
+    given: Vec<(Origin, Table)>,
 }
 
 impl Layers {
@@ -28,18 +72,24 @@ impl Layers {
     pub fn file(&mut self, path: &Path) -> Result<()> {
         let text =
             fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-        self.text(&text).with_context(|| path.display().to_string())
+        let name = path.display().to_string();
+        self.text(&text, Origin::File(name.clone())).context(name)
     }
 
     /// Lays TOML over what there is.
     ///
     /// # Errors
     /// If it has a key or value that is not allowed.
-    pub fn text(&mut self, text: &str) -> Result<()> {
+    pub fn text(&mut self, text: &str, origin: Origin) -> Result<()> {
         Config::from_toml(text)?;
         let table: Table = toml::from_str(text)?;
-        overlay(&mut self.table, table);
+        self.lay(table, origin);
         Ok(())
+    }
+
+    fn lay(&mut self, table: Table, origin: Origin) {
+        overlay(&mut self.table, table.clone());
+        self.given.push((origin, table));
     }
 
     /// Lays `section.key=value` over what there is.
@@ -55,7 +105,7 @@ impl Layers {
         let text = format!("{key} = {value}");
         let quoted = format!("{key} = {value:?}");
         let text = if toml::from_str::<Table>(&text).is_ok() { text } else { quoted };
-        self.text(&text).map_err(|e| usage(e.to_string()).into())
+        self.text(&text, Origin::CommandLine).map_err(|e| usage(e.to_string()).into())
     }
 
     /// Sets one key of a section.
@@ -64,7 +114,7 @@ impl Layers {
         inner.insert(key.to_owned(), value.into());
         let mut outer = Table::new();
         outer.insert(section.to_owned(), Value::Table(inner));
-        overlay(&mut self.table, outer);
+        self.lay(outer, Origin::CommandLine);
     }
 
     /// Names the preset below all layers.
@@ -87,6 +137,28 @@ impl Layers {
     pub fn build_for(&self, car: &CarParams, track: &Track) -> Result<Config> {
         Ok(Config::from_toml_for(&toml::to_string(&self.table)?, car, track)?)
     }
+
+    /// Every key of the configuration these layers gave for a car on a track, and where its value
+    /// comes from.
+    #[must_use]
+    pub fn explain<'a>(&self, config: &'a Config) -> Vec<Setting<'a>> {
+        let keys = SECTIONS.iter().flat_map(|section| section.keys);
+        keys.map(|key| Setting { key, value: key.value(config), origin: self.origin(key, config) })
+            .collect()
+    }
+
+    fn origin(&self, key: &Key, config: &Config) -> Origin {
+        let has = |table: &Table| {
+            table.get(key.section).and_then(|section| section.get(key.name)).is_some()
+        };
+        let given = self.given.iter().rev().find(|(_, table)| has(table));
+        match (given, config.preset, key.derivation) {
+            (Some((origin, _)), ..) => origin.clone(),
+            (None, Preset::Race, Derivation::Car(rule)) => Origin::Car(rule),
+            (None, Preset::Race, Derivation::CarAndTrack(rule)) => Origin::CarAndTrack(rule),
+            (None, preset, _) => Origin::Preset(preset),
+        }
+    }
 }
 
 fn overlay(base: &mut Table, above: Table) {
@@ -108,7 +180,8 @@ mod tests {
     fn later_layers_win_key_by_key() {
         let mut layers = Layers::default();
         layers.preset("paper");
-        layers.text("[horizon]\nsteps = 11\nsubsteps = 7").unwrap();
+        let file = Origin::File("race.toml".to_owned());
+        layers.text("[horizon]\nsteps = 11\nsubsteps = 7", file.clone()).unwrap();
         layers.set("horizon.steps=9").unwrap();
         layers.set("regression.mode=full").unwrap();
         let config = layers.build().unwrap();
@@ -117,6 +190,37 @@ mod tests {
         let below = Config::preset(controller::Preset::Paper);
         assert_eq!(config.safe_set, below.safe_set, "the preset below");
         assert_ne!(config.safe_set, Config::default().safe_set, "which is not the default");
+
+        let origins = |layers: &Layers, name: &str| -> (String, Origin) {
+            let all = layers.explain(&config);
+            let one = all.into_iter().find(|setting| setting.key.dotted() == name).unwrap();
+            (one.value.to_string(), one.origin)
+        };
+        let of = |name| origins(&layers, name);
+        assert_eq!(of("horizon.steps"), ("9".to_owned(), Origin::CommandLine));
+        assert_eq!(of("horizon.substeps"), ("7".to_owned(), file));
+        assert_eq!(of("regression.mode"), ("\"full\"".to_owned(), Origin::CommandLine));
+        assert_eq!(of("horizon.period_s"), ("0.1".to_owned(), Origin::Preset(Preset::Paper)));
+    }
+
+    #[test]
+    fn what_is_not_given_follows_from_the_car() {
+        let (car, track) = (CarParams::builtin("kart").unwrap(), Track::builtin("l").unwrap());
+        let mut layers = Layers::default();
+        layers.set("limits.rear_slip_rad=0.05").unwrap();
+        let config = layers.build_for(&car, &track).unwrap();
+        for setting in layers.explain(&config) {
+            let preset = setting.key.value(&Config::default()).to_string();
+            match (setting.key.dotted().as_str(), setting.origin) {
+                ("limits.rear_slip_rad", origin) => assert_eq!(origin, Origin::CommandLine),
+                ("limits.front_slip_rad", origin) => assert!(matches!(origin, Origin::Car(_))),
+                ("warm_up.speed_mps", origin) => assert!(matches!(origin, Origin::CarAndTrack(_))),
+                (name, Origin::Preset(_)) => {
+                    assert_eq!(setting.value.to_string(), preset, "{name}")
+                }
+                _ => {}
+            }
+        }
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
 use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint};
-use vehicle_model::{NX, State, Track};
+use vehicle_model::{CarParams, NX, State, Track};
 
 use super::convert;
+use hosting::rule::{Edges, TrackLimit};
 use hosting::timing::{PHASES, StepTime};
 
 /// Nearest samples of a track's message. \[m\]
@@ -130,11 +131,12 @@ pub fn lap_message(h: Header, track_id: i64, lap: &Finished, seen: &LapSeen) -> 
 /// What the host saw of a lap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LapSeen {
+    edges: Edges,
     /// Shortest valid lap so far; infinite before the first. \[s\]
     pub best_time: f64,
-    /// Smallest distance of the centre of mass to the edge of the track. \[m\]
+    /// Smallest distance of the car's body to the edge of the track; negative is beyond it. \[m\]
     pub min_margin: f64,
-    /// Steps off the track. \[-\]
+    /// Steps in which a part of the body was off the track. \[-\]
     pub violations: i32,
     /// Steps that neither warmed up nor applied a solution. \[-\]
     pub fallbacks: i32,
@@ -147,10 +149,15 @@ pub struct LapSeen {
 }
 
 impl LapSeen {
-    /// Nothing yet.
+    /// Nothing yet of this car's lap.
     #[must_use]
-    pub fn new(store_key: String) -> Self {
+    pub fn new(car: &CarParams, store_key: String) -> Self {
+        Self::begin(Edges::new(car, TrackLimit::Body), store_key)
+    }
+
+    fn begin(edges: Edges, store_key: String) -> Self {
         Self {
+            edges,
             best_time: f64::INFINITY,
             min_margin: f64::INFINITY,
             violations: 0,
@@ -164,7 +171,7 @@ impl LapSeen {
     /// Takes a step in.
     pub fn add(&mut self, track: &Track, command: &Command, late: bool) {
         let (x, status) = (&command.status.state, &command.status);
-        let margin = (track.width_left(x.s) - x.e_y).min(track.width_right(x.s) + x.e_y);
+        let margin = -self.edges.beyond(track, x);
         self.min_margin = self.min_margin.min(margin);
         self.violations += i32::from(margin < 0.0);
         self.fallbacks += i32::from(!matches!(status.action, Action::Learned | Action::WarmUp));
@@ -176,7 +183,8 @@ impl LapSeen {
     pub fn close(&mut self, lap: &Finished) {
         let best = if lap.valid { lap.lap_time } else { f64::INFINITY };
         let best_time = self.best_time.min(best);
-        *self = Self { best_time, ..Self::new(std::mem::take(&mut self.store_key)) };
+        let next = Self::begin(self.edges, std::mem::take(&mut self.store_key));
+        *self = Self { best_time, ..next };
     }
 }
 
@@ -217,10 +225,28 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
     use std::sync::Arc;
 
-    use controller::{Config, Measurement, Pose, Preset};
-    use vehicle_model::{CarParams, Plant, PlantParams};
+    use controller::{Config, Measurement, Pose, Preset, Status};
+    use vehicle_model::{Input, Plant, PlantParams};
 
     use super::*;
+
+    #[test]
+    fn the_margin_of_a_lap_is_that_of_the_body() {
+        let car = CarParams::builtin("barc").unwrap();
+        let track = Arc::new(Track::builtin("l").unwrap());
+        let config = Config::derived(Preset::Race, &car, &track);
+        let mut controller = Controller::new(config, car.clone(), Arc::clone(&track)).unwrap();
+        let mut seen = LapSeen::new(&car, String::new());
+        // On a straight, heading along it: the centre 20 mm less than half the width inside.
+        let e_y = track.width_left(0.5) - 0.5 * car.width + 0.02;
+        let state = State { v_x: 1.0, s: 0.5, e_y, ..State::default() };
+        let pose = Pose::Frenet(State::default());
+        let command = controller.step(&Measurement { time: 0.0, pose, applied: None });
+        let status = Status { state, ..command.status };
+        seen.add(&track, &Command { input: Input::default(), status }, false);
+        assert_eq!(seen.violations, 1);
+        assert!((seen.min_margin + 0.02).abs() < 1e-9, "{}", seen.min_margin);
+    }
 
     #[test]
     fn the_terminal_cost_is_that_of_the_weights_and_points_sent_with_it() {

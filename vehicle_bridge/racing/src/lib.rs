@@ -18,7 +18,7 @@ use vehicle_model::{
     PlantParams, SlipAngles, State, Track,
 };
 
-pub use hosting::rule::{FailureRule, TrackLimit};
+pub use hosting::rule::{Edges, FailureRule, TrackLimit};
 pub use plant::change_plant;
 
 use hosting::rule::FailureReason;
@@ -79,6 +79,7 @@ impl RaceOptions {
     #[must_use]
     pub fn new(config: Config, car: CarParams, track: Arc<Track>) -> Self {
         Self {
+            limit: TrackLimit::of(&config),
             config,
             nominal: car.clone(),
             plant: PlantParams::new(car),
@@ -86,7 +87,6 @@ impl RaceOptions {
             laps: 20,
             seed: 0,
             model_error: ModelErrorAt::Now,
-            limit: TrackLimit::default(),
             recover: false,
         }
     }
@@ -297,7 +297,7 @@ impl Race {
             iteration: if self.learning { self.learned_laps + 1 } else { 0 },
             time: self.time,
             x,
-            beyond: self.rule.beyond(&self.options.track, &x),
+            beyond: self.rule.edges.beyond(&self.options.track, &x),
         });
         let recoverable = |failure: &Failure| {
             !matches!(failure.reason, FailureReason::NoLap | FailureReason::NotFinite)

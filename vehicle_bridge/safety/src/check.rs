@@ -3,7 +3,7 @@
 use lcm_types::{ActuationCommand, Checked as _, Message as _};
 use vehicle_model::Input;
 
-use super::command::{Offer, PLAN, Reject};
+use super::command::{DecodedCommand, PLAN, Reject};
 use super::rules::Rules;
 
 /// No command is longer. \[B\]
@@ -15,7 +15,12 @@ const SHORTEST: usize = 12;
 ///
 /// # Errors
 /// [`Reject::Size`], [`Reject::Fingerprint`], [`Reject::Crc`].
-pub fn decode(bytes: &[u8], arrival_ns: i64, rules: &Rules, host: &str) -> Result<Offer, Reject> {
+pub fn decode(
+    bytes: &[u8],
+    arrival_ns: i64,
+    rules: &Rules,
+    host: &str,
+) -> Result<DecodedCommand, Reject> {
     if !(SHORTEST..=LONGEST).contains(&bytes.len()) {
         return Err(Reject::Size);
     }
@@ -36,7 +41,7 @@ pub fn decode(bytes: &[u8], arrival_ns: i64, rules: &Rules, host: &str) -> Resul
     for (u, (a, delta)) in plan.iter_mut().zip(asked) {
         *u = Input { a: f64::from(*a), delta: f64::from(*delta) };
     }
-    Ok(Offer {
+    Ok(DecodedCommand {
         boot_id: c.h.boot_id,
         seq: c.h.seq,
         arrival_ns,

@@ -49,7 +49,7 @@ pub enum Reject {
 
 /// A decoded command: fixed size, nothing checked yet but its form.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Offer {
+pub struct DecodedCommand {
     /// Start of its sender. \[-\]
     pub boot_id: i64,
     /// Its number. \[-\]
@@ -79,7 +79,7 @@ pub struct Offer {
     pub plan_dt: f64,
 }
 
-impl Offer {
+impl DecodedCommand {
     /// Whether every number is one.
     pub(super) fn is_finite(&self) -> bool {
         self.input.is_finite()

@@ -8,7 +8,6 @@ mod check;
 mod command;
 mod controllers;
 mod doubt;
-mod lapse;
 mod obey;
 mod order;
 mod published;
@@ -16,15 +15,16 @@ mod rate;
 mod rules;
 mod step;
 mod stop;
+mod stop_reason;
 #[cfg(test)]
 mod tests;
 mod types;
 
 pub use check::decode;
-pub use command::{Offer, PLAN, Reject};
+pub use command::{DecodedCommand, PLAN, Reject};
 pub use doubt::{DoubtLimits, Finding, Reaction, Suspicion};
-pub use lapse::Lapse;
 pub use order::{Denied, Order, OrderKind};
 pub use rules::{Rules, Setup};
 pub use step::{Safety, step};
+pub use stop_reason::StopReason;
 pub use types::{Answer, Counts, Event, Output, Phase, Source};

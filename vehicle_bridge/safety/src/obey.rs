@@ -1,10 +1,10 @@
 //! What each order of the operator does.
 
 use super::doubt::{self, Doubt};
-use super::lapse::Lapse;
 use super::order::{Denied, MAX_CAP, Order, OrderKind};
 use super::rules::Rules;
 use super::step::Safety;
+use super::stop_reason::StopReason;
 use super::types::Phase;
 
 impl Safety {
@@ -31,7 +31,7 @@ impl Safety {
         let name = self.phase.name();
         let latched = matches!(self.phase, Phase::Estop | Phase::Fault);
         match order.kind {
-            OrderKind::Estop => self.leave(Phase::Estop, Lapse::Operator),
+            OrderKind::Estop => self.leave(Phase::Estop, StopReason::Operator),
             OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
             OrderKind::Reset => {
                 self.standstill(rules, now_ns)?;
@@ -44,8 +44,8 @@ impl Safety {
             OrderKind::SpeedCap(found) => return Err(Denied::Cap { found }),
             _ if latched => return Err(Denied::Latched(name)),
             OrderKind::Stop | OrderKind::Disarm => match self.phase {
-                Phase::Running => self.leave(Phase::SafeStop, Lapse::Operator),
-                Phase::Armed => self.leave(Phase::Idle, Lapse::Operator),
+                Phase::Running => self.leave(Phase::SafeStop, StopReason::Operator),
+                Phase::Armed => self.leave(Phase::Idle, StopReason::Operator),
                 _ => {}
             },
             OrderKind::Arm { moving, controller } => {
@@ -86,7 +86,7 @@ impl Safety {
         let boot_id = self.controllers.choose(controller, since_ns, &rules.setup)?;
         self.phase = Phase::Armed;
         self.token = order.fresh.max(1);
-        (self.armed, self.seq, self.lapse) = (Some(boot_id), None, Lapse::None);
+        (self.armed, self.seq, self.stop_reason) = (Some(boot_id), None, StopReason::None);
         Ok(())
     }
 
@@ -101,7 +101,7 @@ impl Safety {
             match (self.deadman_ns, order.deadman) {
                 // In force from the first START that holds it, also of a car that drives already.
                 (_, true) => self.deadman_ns = Some(now_ns),
-                (Some(_), false) => self.leave(Phase::SafeStop, Lapse::Deadman),
+                (Some(_), false) => self.leave(Phase::SafeStop, StopReason::Deadman),
                 (None, false) => {}
             }
             return Ok(());

@@ -2,14 +2,14 @@
 
 use vehicle_model::{Input, Limited, State};
 
-use super::command::{Offer, Reject};
+use super::command::{DecodedCommand, Reject};
 use super::controllers::Controllers;
 use super::doubt::{Doubt, Finding, Reaction, Steering, Suspicion};
-use super::lapse::Lapse;
 use super::published::Published;
 use super::rate::Rate;
 use super::rules::Rules;
 use super::stop;
+use super::stop_reason::StopReason;
 use super::types::{Answer, Counts, Event, Output, Phase, Source};
 
 /// The car's state as last heard.
@@ -27,7 +27,7 @@ pub struct Safety {
     pub(super) token: i64,
     pub(super) armed: Option<i64>,
     pub(super) seq: Option<i64>,
-    pub(super) command: Option<Offer>,
+    pub(super) command: Option<DecodedCommand>,
     pub(super) started_ns: i64,
     pub(super) deadman_ns: Option<i64>,
     pub(super) seen: Option<Seen>,
@@ -46,7 +46,7 @@ pub struct Safety {
     pub(super) tick_ns: Option<i64>,
     pub(super) sent_ns: Option<i64>,
     pub(super) rate: Rate,
-    pub(super) lapse: Lapse,
+    pub(super) stop_reason: StopReason,
     pub(super) counts: Counts,
 }
 
@@ -62,10 +62,10 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Err(reject) => Answer::Rejected(reject),
         },
         // Another's is no sign of the controller that holds the grant.
-        Event::Pulse(boot_id) if next.armed.is_some_and(|armed| armed != *boot_id) => {
+        Event::Heartbeat(boot_id) if next.armed.is_some_and(|armed| armed != *boot_id) => {
             Answer::Rejected(Reject::Boot)
         }
-        Event::Pulse(boot_id) => {
+        Event::Heartbeat(boot_id) => {
             next.controllers.on_heartbeat(*boot_id, now_ns);
             Answer::None
         }
@@ -79,8 +79,8 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
         }
         Event::End => {
             match next.phase {
-                Phase::Running => next.leave(Phase::SafeStop, Lapse::End),
-                Phase::Armed => next.leave(Phase::Idle, Lapse::End),
+                Phase::Running => next.leave(Phase::SafeStop, StopReason::End),
+                Phase::Armed => next.leave(Phase::Idle, StopReason::End),
                 _ => {}
             }
             Answer::None
@@ -92,7 +92,7 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
         Event::CarFailed => {
             next.leave(
                 if next.phase == Phase::Estop { Phase::Estop } else { Phase::Fault },
-                Lapse::Car,
+                StopReason::Car,
             );
             Answer::None
         }
@@ -135,8 +135,8 @@ impl Safety {
 
     /// Why the grant ended last.
     #[must_use]
-    pub fn lapse(&self) -> Lapse {
-        self.lapse
+    pub fn stop_reason(&self) -> StopReason {
+        self.stop_reason
     }
 
     /// The command in force: start and number of its sender.
@@ -157,10 +157,10 @@ impl Safety {
     }
 
     /// Ends the grant.
-    pub(super) fn leave(&mut self, to: Phase, why: Lapse) {
+    pub(super) fn leave(&mut self, to: Phase, why: StopReason) {
         self.counts.stops += i64::from(self.phase == Phase::Running);
         self.phase = to;
-        self.lapse = why;
+        self.stop_reason = why;
         (self.token, self.armed, self.seq, self.deadman_ns) = (0, None, None, None);
         self.command = None;
     }
@@ -172,7 +172,7 @@ impl Safety {
 
     /// The last instants at which what the grant needs is still in time, and what is missing after
     /// each; the first one that has passed tells why. \[ns\]
-    fn limits(&self, rules: &Rules) -> [(i64, Lapse); 6] {
+    fn limits(&self, rules: &Rules) -> [(i64, StopReason); 6] {
         const NEVER: i64 = i64::MAX;
         let from = |then: Option<i64>, patience: i64| {
             then.map_or(NEVER, |then| then.saturating_add(patience))
@@ -190,12 +190,15 @@ impl Safety {
         };
         let only = |is: bool, limit: i64| if is { limit } else { NEVER };
         [
-            (from(self.tick_ns, late), Lapse::Gap),
-            (self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(silent)), Lapse::States),
-            (only(!running, heard), Lapse::Pulse),
-            (only(running, from(self.deadman_ns, rules.timeout_ns)), Lapse::Deadman),
-            (only(running, due), Lapse::Commands),
-            (only(running, valid), Lapse::Validity),
+            (from(self.tick_ns, late), StopReason::Gap),
+            (
+                self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(silent)),
+                StopReason::States,
+            ),
+            (only(!running, heard), StopReason::Heartbeat),
+            (only(running, from(self.deadman_ns, rules.timeout_ns)), StopReason::Deadman),
+            (only(running, due), StopReason::Commands),
+            (only(running, valid), StopReason::Validity),
         ]
     }
 
@@ -212,7 +215,8 @@ impl Safety {
         if !matches!(self.phase, Phase::Armed | Phase::Running) {
             return;
         }
-        let in_time = |why: Lapse| why == Lapse::States && matches!(event, Event::State(..));
+        let in_time =
+            |why: StopReason| why == StopReason::States && matches!(event, Event::State(..));
         let mut limits = self.limits(rules).into_iter();
         if let Some((_, why)) = limits.find(|(until, why)| now_ns > *until && !in_time(*why)) {
             let to = if self.phase == Phase::Armed { Phase::Idle } else { Phase::SafeStop };
@@ -261,7 +265,7 @@ impl Safety {
             if finding.what == Suspicion::Steering {
                 self.steering = Some(self.doubt.steering());
             }
-            self.leave(Phase::SafeStop, Lapse::Doubt(finding.what));
+            self.leave(Phase::SafeStop, StopReason::Doubt(finding.what));
         }
     }
 
@@ -281,11 +285,11 @@ impl Safety {
     }
 
     /// A command's checks after its form, in order.
-    fn weigh(&mut self, rules: &Rules, offer: &Offer, now_ns: i64) -> Result<(), Reject> {
+    fn weigh(&mut self, rules: &Rules, offer: &DecodedCommand, now_ns: i64) -> Result<(), Reject> {
         let ours = self.armed == Some(offer.boot_id);
         if !self.rate.admit(offer.boot_id, now_ns) {
             if ours && self.phase == Phase::Running {
-                self.leave(Phase::SafeStop, Lapse::Flood);
+                self.leave(Phase::SafeStop, StopReason::Flood);
             }
             return Err(Reject::Rate);
         }
@@ -320,13 +324,13 @@ impl Safety {
         self.seq = Some(offer.seq);
         self.counts.ok += 1;
         if offer.estop {
-            self.leave(Phase::Estop, Lapse::Controller);
+            self.leave(Phase::Estop, StopReason::Controller);
         } else if self.phase == Phase::Running {
             if offer.drives {
                 self.command = Some(*offer);
             } else if self.command.is_some() {
                 // Before the first command that drives, the controller has not heard the START.
-                self.leave(Phase::SafeStop, Lapse::Controller);
+                self.leave(Phase::SafeStop, StopReason::Controller);
             }
         }
         Ok(())

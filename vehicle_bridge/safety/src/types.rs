@@ -3,7 +3,7 @@
 use lcm_types::Heartbeat;
 use vehicle_model::{Limited, State};
 
-use super::command::{Offer, Reject};
+use super::command::{DecodedCommand, Reject};
 use super::order::{Denied, Order};
 use super::rules::Setup;
 
@@ -73,9 +73,9 @@ pub enum Event<'a> {
     /// The car's state in the track's frame, with its quality (2 good, 1 degraded, 0 bad).
     State(State, i8),
     /// A command that passed [`super::decode`].
-    Command(&'a Offer),
+    Command(&'a DecodedCommand),
     /// Heartbeat of the controller with this boot id.
-    Pulse(i64),
+    Heartbeat(i64),
     /// The controller with this boot id was set up so.
     Setup(i64, Setup),
     /// The state with this sequence number went out to the controller.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use vehicle_model::Limited;
 
 use auth::Seal;
-use safety::{Finding, Lapse, Reaction, Reject};
+use safety::{Finding, Reaction, Reject, StopReason};
 use transport::record::Log;
 
 /// What was not taken, last.
@@ -37,7 +37,7 @@ pub(super) struct Account {
     /// Known from the start.
     pub(super) notes: Arc<[String]>,
     /// Why the car was stopped last.
-    pub(super) lapse: Lapse,
+    pub(super) stop_reason: StopReason,
     /// Ticks with an input that a limit moved. \[-\]
     pub(super) limited: i64,
     /// The last input.
@@ -72,8 +72,8 @@ impl fmt::Display for Account {
         for note in &*self.notes {
             say(format_args!("{note}"))?;
         }
-        if self.lapse != Lapse::None {
-            say(format_args!("last stop: {}", self.lapse))?;
+        if self.stop_reason != StopReason::None {
+            say(format_args!("last stop: {}", self.stop_reason))?;
         }
         if let Some(Limited { asked, sent, bits }) = self.applied.filter(|_| self.limited > 0) {
             say(format_args!(
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(Account::default().to_string(), "");
         let account = Account {
             notes: Arc::new(["a note".to_owned()]),
-            lapse: Lapse::Gap,
+            stop_reason: StopReason::Gap,
             limited: 3,
             applied: Some(Limited { asked: Input::default(), sent: Input::default(), bits: 4 }),
             missed: 1,

@@ -11,14 +11,14 @@ use lcm_types::{
 use vehicle_model::Input;
 
 use super::account::{Account, Refused};
+use super::heartbeat::HeartbeatSender;
 use super::neighbours::{Neighbours, Role};
-use super::pulse::Pulse;
 use super::side::CarSide;
 use super::watchdog::Watchdog;
 use auth::Seal;
-use protocol::guard::Counts;
-use protocol::orders::{Heard, Orders};
-use protocol::outlet::{Identity, Outlet, random};
+use protocol::operator_inbox::{Heard, OperatorInbox};
+use protocol::publisher::{Identity, Publisher, random};
+use protocol::stream_filter::Counts;
 use safety::{Answer, Event, Order, OrderKind, Output, Rules, Safety, Setup, Source, decode};
 use transport::record::Log;
 use transport::{Filter, Inbox, Received, Transport};
@@ -51,12 +51,12 @@ pub struct Bridge {
     pub(super) host: String,
     pub(super) commands: Inbox,
     pub(super) others: Inbox,
-    pub(super) states: Outlet,
-    pub(super) reports: Outlet,
-    pub(super) acks: Outlet,
-    pub(super) pulse: Pulse<Account>,
+    pub(super) states: Publisher,
+    pub(super) reports: Publisher,
+    pub(super) acks: Publisher,
+    pub(super) heartbeat: HeartbeatSender<Account>,
     pub(super) unsent: u64,
-    pub(super) desk: Orders,
+    pub(super) operators: OperatorInbox,
     pub(super) neighbours: Neighbours,
     /// Who looks after this loop from outside.
     pub(super) watchdog: Option<Watchdog>,
@@ -91,15 +91,16 @@ impl Bridge {
         let names = vec![channels::SETUP.to_owned(), life];
         network.subscribe(Filter::Only(names), others.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default().to_owned();
-        let pulse: Pulse<Account> = Pulse::start(network, &identity, "bridge", None)?;
-        pulse.update(|health| health.detail.notes = notes.into());
+        let heartbeat: HeartbeatSender<Account> =
+            HeartbeatSender::start(network, &identity, "bridge", None)?;
+        heartbeat.update(|health| health.detail.notes = notes.into());
         Ok(Self {
-            states: Outlet::new(network, &identity, channels::STATE),
-            reports: Outlet::new(network, &identity, channels::ACTUATION),
-            acks: Outlet::new(network, &identity, channels::OPERATOR_ACK),
-            pulse,
+            states: Publisher::new(network, &identity, channels::STATE),
+            reports: Publisher::new(network, &identity, channels::ACTUATION),
+            acks: Publisher::new(network, &identity, channels::OPERATOR_ACK),
+            heartbeat,
             safety: Safety::default(),
-            desk: Orders::new(&host),
+            operators: OperatorInbox::new(&host),
             neighbours: Neighbours::new(identity.boot_id),
             panic_after: None,
             watchdog: None,
@@ -136,7 +137,7 @@ impl Bridge {
     /// Tells in every heartbeat what the log behind the network loses.
     #[must_use]
     pub fn with_log(self, log: Option<Log>) -> Self {
-        self.pulse.update(|health| health.detail.log = log);
+        self.heartbeat.update(|health| health.detail.log = log);
         self
     }
 
@@ -149,7 +150,7 @@ impl Bridge {
     /// Counts for every heartbeat what was refused for want of a signature.
     #[must_use]
     pub fn with_seal(self, seal: Option<Seal>) -> Self {
-        self.pulse.update(|health| health.detail.seal = seal);
+        self.heartbeat.update(|health| health.detail.seal = seal);
         self
     }
 
@@ -159,7 +160,7 @@ impl Bridge {
     }
 
     fn refuse(&self, what: Refused) {
-        self.pulse.update(|health| health.detail.refused = Some(what));
+        self.heartbeat.update(|health| health.detail.refused = Some(what));
     }
 
     /// A message of a real car.
@@ -188,7 +189,7 @@ impl Bridge {
     pub(super) fn command(&mut self, received: &Received) {
         let arrival_ns = received.arrival.mono_ns;
         let reject = match decode(&received.payload, arrival_ns, &self.rules, &self.host) {
-            Ok(offer) => match self.step(&Event::Command(&offer)).answer {
+            Ok(command) => match self.step(&Event::Command(&command)).answer {
                 Answer::Rejected(reject) => reject,
                 _ => return,
             },
@@ -220,7 +221,9 @@ impl Bridge {
                     return self.neighbours.note(Role::Bridge, &beat.h);
                 }
                 self.neighbours.note(Role::Controller, &beat.h);
-                if let Answer::Rejected(reject) = self.step(&Event::Pulse(beat.h.boot_id)).answer {
+                if let Answer::Rejected(reject) =
+                    self.step(&Event::Heartbeat(beat.h.boot_id)).answer
+                {
                     self.refuse(Refused::Heartbeat(reject));
                 }
             }
@@ -229,7 +232,7 @@ impl Bridge {
 
     pub(super) fn order(&mut self, received: &Received) {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
-        let Some(heard) = self.desk.hear(&received.payload, times) else { return };
+        let Some(heard) = self.operators.hear(&received.payload, times) else { return };
         let (boot_id, ack) = match heard {
             Heard::New(order) => (order.h.boot_id, self.obey(&order)),
             // A dead man's switch is held by saying so.
@@ -244,7 +247,7 @@ impl Bridge {
         };
         // What the network refuses is asked again.
         let _ = self.acks.send(&ack);
-        self.desk.answered(boot_id, &ack);
+        self.operators.answered(boot_id, &ack);
     }
 
     fn obey(&mut self, order: &OperatorCommand) -> OperatorAck {
@@ -294,17 +297,18 @@ impl Bridge {
         self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
         let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
-        let (lapse, missed, unsent) = (self.safety.lapse(), self.bridged.missed, self.unsent);
+        let (reason, missed, unsent) =
+            (self.safety.stop_reason(), self.bridged.missed, self.unsent);
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
         let relay = self.watchdog.as_ref().and_then(Watchdog::trouble).map(Arc::from);
-        self.pulse.update(|health| {
+        self.heartbeat.update(|health| {
             health.state = state;
             health.counts = counts;
             health.arm_token = arm_token;
             let said = &mut health.detail;
-            (said.lapse, said.missed, said.unsent, said.car) = (lapse, missed, unsent, car);
+            (said.stop_reason, said.missed, said.unsent, said.car) = (reason, missed, unsent, car);
             said.doubt = finding;
             said.relay = relay;
             if let Some(news) = neighbours {

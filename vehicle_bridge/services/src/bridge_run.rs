@@ -8,7 +8,7 @@ use lcm_types::channels;
 use super::bridge::{Bridge, Bridged, WAITING};
 use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
-use safety::{Event, Lapse, Phase, Source};
+use safety::{Event, Phase, Source, StopReason};
 
 /// Quality of a simulated car's states. \[-\]
 const GOOD: i8 = 2;
@@ -43,7 +43,11 @@ impl Bridge {
     /// Runs until it is asked to end; `on_change` is called at every change of state. A car that
     /// drives is first stopped along the track, unless the request is urgent. A panic of the loop
     /// is a request to end.
-    pub fn run(&mut self, shutdown: &Shutdown, on_change: &mut dyn FnMut(Phase, Lapse)) -> Bridged {
+    pub fn run(
+        &mut self,
+        shutdown: &Shutdown,
+        on_change: &mut dyn FnMut(Phase, StopReason),
+    ) -> Bridged {
         let mut clock = Clock::new(self.safety.phase());
         self.watchdog.iter().for_each(Watchdog::ready);
         while !shutdown.is_urgent() && !self.is_over(shutdown, &mut clock) {
@@ -88,7 +92,7 @@ impl Bridge {
     }
 
     /// One tick, and what comes before it.
-    fn beat(&mut self, clock: &mut Clock, on_change: &mut dyn FnMut(Phase, Lapse)) {
+    fn beat(&mut self, clock: &mut Clock, on_change: &mut dyn FnMut(Phase, StopReason)) {
         let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
         // From the last deadline, not from now: the beat does not drift.
         clock.due += tick;
@@ -110,7 +114,7 @@ impl Bridge {
         self.watchdog.iter_mut().for_each(Watchdog::beat);
         if phase != clock.phase {
             self.watchdog.iter().for_each(|watchdog| watchdog.status(phase.name()));
-            on_change(phase, self.safety.lapse());
+            on_change(phase, self.safety.stop_reason());
             (clock.phase, clock.since) = (phase, Instant::now());
         }
         self.panic_if_due(clock);

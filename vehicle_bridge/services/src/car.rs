@@ -11,8 +11,8 @@ use vehicle_model::{Input, State};
 use hosting::rule::FailureReason;
 use hosting::rule::FailureRule;
 use protocol::convert;
-use protocol::guard::{Accepted, Guard};
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
+use protocol::stream_filter::{Accepted, StreamFilter};
 use transport::{Filter, Inbox, Received, Transport};
 use vehicle_host::Vehicle;
 
@@ -71,9 +71,9 @@ pub struct Car {
     options: CarOptions,
     vehicle: Box<dyn Vehicle>,
     commands: Inbox,
-    guard: Guard,
-    states: Outlet,
-    reports: Outlet,
+    filter: StreamFilter,
+    states: Publisher,
+    reports: Publisher,
     rule: FailureRule,
     boot_id: i64,
     /// The command in force and when it came.
@@ -101,9 +101,9 @@ impl Car {
         network.subscribe(Filter::channel(channels::COMMAND), commands.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
         Ok(Self {
-            guard: Guard::new(MAX_AGE_NS, SILENCE_NS / 4, host),
-            states: Outlet::new(network, &identity, channels::STATE),
-            reports: Outlet::new(network, &identity, channels::ACTUATION),
+            filter: StreamFilter::new(MAX_AGE_NS, SILENCE_NS / 4, host),
+            states: Publisher::new(network, &identity, channels::STATE),
+            reports: Publisher::new(network, &identity, channels::ACTUATION),
             boot_id: identity.boot_id,
             command: None,
             steer: 0.0,
@@ -271,7 +271,8 @@ impl Car {
             (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)
                 && c.steer.abs() <= car.delta_max + 1e-6
         };
-        let checked = self.guard.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
+        let checked =
+            self.filter.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
         checked.ok().map(|Accepted { message, .. }| message)
     }
 

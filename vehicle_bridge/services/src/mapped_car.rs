@@ -9,11 +9,11 @@ use anyhow::{Result, bail};
 use lcm_types::{ActuationCommand, ActuationReport, channels};
 use vehicle_model::{CarParams, Input};
 
-use super::pulse::Pulse;
+use super::heartbeat::HeartbeatSender;
 use mapping::{Drive, Mapping};
 use protocol::convert;
-use protocol::guard::{Accepted, Counts, Guard};
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
+use protocol::stream_filter::{Accepted, Counts, StreamFilter};
 use transport::{Filter, Inbox, Received, Transport};
 
 const SILENCE_NS: i64 = 1_000_000_000;
@@ -44,11 +44,11 @@ pub struct MappedCar {
     mapping: Mapping,
     network: Arc<dyn Transport>,
     inbox: Inbox,
-    guard: Guard,
+    filter: StreamFilter,
     car: CarParams,
-    states: Outlet,
-    reports: Outlet,
-    pulse: Pulse<mapping::Counts>,
+    states: Publisher,
+    reports: Publisher,
+    heartbeat: HeartbeatSender<mapping::Counts>,
     boot_id: i64,
     /// Whether the car moves, by its last state.
     moves: bool,
@@ -75,10 +75,10 @@ impl MappedCar {
         network.subscribe(Filter::Only(wanted), inbox.sink())?;
         let host = identity.sender.rsplit('@').next().unwrap_or_default();
         Ok(Self {
-            guard: Guard::new(SILENCE_NS, SILENCE_NS / 4, host),
-            states: Outlet::new(network, &identity, channels::STATE),
-            reports: Outlet::new(network, &identity, channels::ACTUATION),
-            pulse: Pulse::start(network, &identity, "car", None)?,
+            filter: StreamFilter::new(SILENCE_NS, SILENCE_NS / 4, host),
+            states: Publisher::new(network, &identity, channels::STATE),
+            reports: Publisher::new(network, &identity, channels::ACTUATION),
+            heartbeat: HeartbeatSender::start(network, &identity, "car", None)?,
             boot_id: identity.boot_id,
             moves: false,
             obeyed: None,
@@ -110,7 +110,7 @@ impl MappedCar {
             Ok(run) => run.and(stopped)?,
             Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
         }
-        self.bridged.commands = self.guard.counts;
+        self.bridged.commands = self.filter.counts;
         self.bridged.source = self.mapping.counts();
         Ok(self.bridged)
     }
@@ -173,7 +173,8 @@ impl MappedCar {
                 && c.steer.abs() <= car.delta_max + 1e-6
                 && c.plan_accel.iter().chain(&c.plan_steer).all(|u| u.is_finite())
         };
-        let checked = self.guard.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
+        let checked =
+            self.filter.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
         let Ok(Accepted { message, .. }) = checked else { return false };
         if message.enable && message.mode == ActuationCommand::MODE_DRIVE {
             self.obeyed = Some(message.h.boot_id);
@@ -220,10 +221,10 @@ impl MappedCar {
             steer: self.applied.delta,
             ..ActuationReport::default()
         };
-        let (counts, source) = (self.guard.counts, self.mapping.counts());
+        let (counts, source) = (self.filter.counts, self.mapping.counts());
         let state =
             if report.enabled { lcm_types::Heartbeat::RUNNING } else { lcm_types::Heartbeat::IDLE };
-        self.pulse.update(|health| {
+        self.heartbeat.update(|health| {
             health.state = state;
             health.counts = counts;
             health.detail = source;

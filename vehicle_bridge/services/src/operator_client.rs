@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 use lcm_types::{Heartbeat, Message as _, OperatorAck, OperatorCommand, channels};
 
-use protocol::outlet::{Identity, Outlet, random};
+use protocol::publisher::{Identity, Publisher, random};
 use transport::{Filter, Inbox, Transport};
 
 /// Time between two tellings.
@@ -43,7 +43,7 @@ pub enum Held {
 /// An operator at the network: one start of a program.
 pub struct Operator {
     inbox: Inbox,
-    outlet: Outlet,
+    publisher: Publisher,
     bridge_channel: String,
     service_channel: String,
     /// The arm token the bridge reports.
@@ -66,16 +66,25 @@ impl Operator {
         let names =
             [channels::OPERATOR_ACK, &bridge_channel, &service_channel].map(str::to_owned).to_vec();
         network.subscribe(Filter::Only(names), inbox.sink())?;
-        let outlet = Outlet::new(network, &Identity::new("operator"), channels::OPERATOR);
+        let publisher = Publisher::new(network, &Identity::new("operator"), channels::OPERATOR);
         let begun = Instant::now();
         let (bridge, bridges, service) = (None, Vec::new(), false);
-        Ok(Self { inbox, outlet, bridge_channel, service_channel, bridge, bridges, service, begun })
+        Ok(Self {
+            inbox,
+            publisher,
+            bridge_channel,
+            service_channel,
+            bridge,
+            bridges,
+            service,
+            begun,
+        })
     }
 
     /// Says an order once.
     fn say(&mut self, order: &mut OperatorCommand) -> Result<()> {
-        order.h = self.outlet.header();
-        self.outlet.send_sealed(order)
+        order.h = self.publisher.header();
+        self.publisher.send_sealed(order)
     }
 
     /// The answers to an order that come until `deadline`.

@@ -11,18 +11,18 @@ use lcm_types::{
 };
 use vehicle_model::Input;
 
-use super::effort::{Effort, Overrun};
+use super::deadline_monitor::{DeadlineMonitor, Overrun};
 use super::grant::Grant;
+use super::heartbeat::{HeartbeatSender, Place};
 use super::operator::{self, Authority};
-use super::pulse::{Place, Pulse};
 use super::schedule::Schedule;
 use super::store::Store;
 use auth::Seal;
 use hosting::timing::Stopwatch;
 use protocol::convert::{self, Answered, Order};
-use protocol::guard::{Accepted, Guard};
-use protocol::orders::{Heard, Orders};
-use protocol::outlet::{Identity, Outlet};
+use protocol::operator_inbox::{Heard, OperatorInbox};
+use protocol::publisher::{Identity, Publisher};
+use protocol::stream_filter::{Accepted, StreamFilter};
 use protocol::telemetry::{self, LapSeen, Step};
 use transport::record::Log;
 use transport::{Filter, Inbox, Received, Transport};
@@ -65,20 +65,20 @@ pub struct Service {
     store: Option<Store>,
     states: Inbox,
     orders: Inbox,
-    guard: Guard,
-    order_desk: Orders,
+    filter: StreamFilter,
+    operators: OperatorInbox,
     authority: Authority,
     grant: Grant,
-    commands: Outlet,
-    telemetry: Outlet,
-    laps: Outlet,
-    acks: Outlet,
-    pulse: Pulse,
+    commands: Publisher,
+    telemetry: Publisher,
+    laps: Publisher,
+    acks: Publisher,
+    heartbeat: HeartbeatSender,
     schedule: Schedule,
     track_id: i64,
     seen: LapSeen,
     last: Option<Last>,
-    effort: Effort,
+    deadlines: DeadlineMonitor,
     send_errors: u64,
     save_error: Option<String>,
 }
@@ -108,7 +108,7 @@ impl Service {
         network: &Arc<dyn Transport>,
     ) -> Result<Self> {
         let identity = Identity::new("lmpc");
-        let outlet = |channel: &str| Outlet::new(network, &identity, channel);
+        let publisher = |channel: &str| Publisher::new(network, &identity, channel);
         let (states, orders) = (Inbox::queue(WAITING), Inbox::queue(64));
         network.subscribe(Filter::channel(channels::STATE), states.sink())?;
         network.subscribe(Filter::channel(channels::OPERATOR), orders.sink())?;
@@ -120,21 +120,22 @@ impl Service {
         let track = telemetry::track_message(controller.track());
         let place = Place { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
+        let seen = LapSeen::new(controller.car(), key);
         Ok(Self {
-            guard: Guard::new(age, silence, host),
-            order_desk: Orders::new(host),
+            filter: StreamFilter::new(age, silence, host),
+            operators: OperatorInbox::new(host),
             authority: Authority::new(options.wait_for_start),
-            commands: outlet(name),
-            telemetry: outlet(channels::TELEMETRY),
-            laps: outlet(channels::LAP),
-            acks: outlet(channels::OPERATOR_ACK),
+            commands: publisher(name),
+            telemetry: publisher(channels::TELEMETRY),
+            laps: publisher(channels::LAP),
+            acks: publisher(channels::OPERATOR_ACK),
             grant,
-            pulse: Pulse::start(network, &identity, "lmpc", Some(place))?,
+            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(place))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
-            seen: LapSeen::new(key),
+            seen,
             last: None,
-            effort: Effort::default(),
+            deadlines: DeadlineMonitor::default(),
             send_errors: 0,
             save_error: None,
             options,
@@ -211,7 +212,7 @@ impl Service {
                 && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
         };
         let times = (arrival_ns, now_ns);
-        let checked = self.guard.check(&received.payload, times, |state| &state.h, sane);
+        let checked = self.filter.check(&received.payload, times, |state| &state.h, sane);
         let Accepted { message: state, fresh_start } = checked.ok()?;
         if fresh_start {
             self.schedule.restart(state.meas_mono_ns, arrival_ns);
@@ -244,20 +245,20 @@ impl Service {
         let measurement = convert::measurement(pose, time_ns, period, applied);
         let mut stopwatch = Stopwatch::start();
         let command = self.controller.step_probed(&measurement, &mut stopwatch);
-        self.options.overrun.iter().for_each(|overrun| overrun.wait(self.effort.steps));
+        self.options.overrun.iter().for_each(|overrun| overrun.wait(self.deadlines.steps));
         let time = stopwatch.stop();
         let cap = self.authority.speed_cap;
         let input = operator::capped(command.input, state.vx, cap, &self.controller);
         let cut = input != command.input;
         self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
         let elapsed = || (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
-        if self.effort.step(elapsed() > period) {
+        if self.deadlines.step(elapsed() > period) {
             self.authority.state = Heartbeat::SAFE_STOP;
         }
         self.command(answered, self.authority.mode());
         let total = elapsed();
-        self.effort.longest = self.effort.longest.max(total);
-        let (state_seq, overruns) = (answered.seq, self.effort.overruns);
+        self.deadlines.longest = self.deadlines.longest.max(total);
+        let (state_seq, overruns) = (answered.seq, self.deadlines.overruns);
         self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
     }
 
@@ -328,7 +329,7 @@ impl Service {
 
     fn obey(&mut self, received: &Received) {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
-        let order = match self.order_desk.hear(&received.payload, times) {
+        let order = match self.operators.hear(&received.payload, times) {
             None => return,
             Some(Heard::New(order)) => order,
             Some(Heard::Again(_, ack)) => {
@@ -353,7 +354,7 @@ impl Service {
             detail: answer.err().unwrap_or_default(),
         };
         let sent = self.acks.send(&ack);
-        self.order_desk.answered(order.h.boot_id, &ack);
+        self.operators.answered(order.h.boot_id, &ack);
         self.count(sent);
     }
 
@@ -365,10 +366,10 @@ impl Service {
         if let Some(outcome) = self.store.as_ref().and_then(Store::outcome) {
             self.save_error = outcome;
         }
-        let (state, counts) = (self.authority.state, self.guard.counts);
+        let (state, counts) = (self.authority.state, self.filter.counts);
         let mut detail = vec![format!("{} laps learned", self.controller.laps().len())];
         detail.extend(self.options.notes.iter().cloned());
-        detail.extend(self.effort.complaint());
+        detail.extend(self.deadlines.complaint());
         if self.send_errors > 0 {
             detail.push(format!("{} messages could not be sent", self.send_errors));
         }
@@ -376,7 +377,7 @@ impl Service {
         detail.extend(self.grant.complaint());
         detail.extend(self.options.log.as_ref().and_then(Log::complaint));
         detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
-        self.pulse.update(|health| {
+        self.heartbeat.update(|health| {
             health.state = state;
             health.counts = counts;
             health.detail = detail.join("; ");
@@ -385,8 +386,8 @@ impl Service {
 
     /// The work so far.
     #[must_use]
-    pub fn effort(&self) -> Effort {
-        self.effort
+    pub fn deadlines(&self) -> DeadlineMonitor {
+        self.deadlines
     }
 
     /// The controller.

@@ -2,9 +2,9 @@
 
 use vehicle_model::{CarParams, GRAVITY};
 
-/// Facts of a car that follow from its file.
-pub(super) fn facts(text: &str) -> Vec<String> {
-    let Ok(car) = CarParams::from_toml(text) else { return Vec::new() };
+/// What follows from a car's parameters, in the quantities of data sheets.
+#[must_use]
+pub fn facts(car: &CarParams) -> Vec<String> {
     let (wheelbase, loads) = (car.wheelbase(), car.static_loads());
     let mut facts = vec![
         format!(
@@ -58,7 +58,7 @@ pub(super) fn facts(text: &str) -> Vec<String> {
         100.0 * car.brake_front,
         car.a_min,
         car.a_max,
-        top_speed(&car)
+        top_speed(car)
     ));
     facts
 }
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_road_car_understeers_by_what_its_axles_say() {
-        let facts = facts(include_str!("../../../cars/f1tenth.toml")).join("\n");
+        let facts = facts(&CarParams::builtin("f1tenth").unwrap()).join("\n");
         // F1TENTH gym: C_S 4.718 and 5.4562.
         assert!(facts.contains("(4.72/rad)") && facts.contains("(5.46/rad)"), "{facts}");
         assert!(facts.contains("turning radius 0.74 m"), "{facts}");

@@ -9,6 +9,9 @@ use std::fs;
 use std::path::Path;
 
 use serde::Serialize;
+use vehicle_model::CarParams;
+
+pub use car::facts;
 
 /// Kind of a file, recognised from its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -124,7 +127,9 @@ pub fn check_text(file: &str, text: &str) -> Checked {
     };
     problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
     let facts = match kind {
-        Kind::Car if problems.is_empty() => car::facts(text),
+        Kind::Car if problems.is_empty() => {
+            CarParams::from_toml(text).map_or(Vec::new(), |car| facts(&car))
+        }
         _ => Vec::new(),
     };
     Checked { file: file.to_owned(), kind, facts, problems }

@@ -8,7 +8,8 @@ const EXAMPLES: &str = "\
 Examples:
   lmpc car new my_car --like barc            writes my_car.toml with every key, unit and meaning
   lmpc car new rental --like kart.toml --out cars/rental.toml
-  lmpc check my_car.toml                     what lmpc makes of it
+  lmpc car show kart                         every parameter, and what follows from them
+  lmpc check my_car.toml                     every mistake, or what lmpc makes of it
 
 The keys, and how data sheets give them, stand in docs/cars.md.";
 
@@ -26,6 +27,16 @@ pub struct CarFileArgs {
 pub enum CarAction {
     /// Write a car file with every key, its unit and its meaning
     New(NewCarArgs),
+    /// Print every parameter of a car, its unit and its meaning, and what follows from them
+    Show(ShowCarArgs),
+}
+
+/// Options of `lmpc car show`.
+#[derive(Debug, Args)]
+pub struct ShowCarArgs {
+    /// Car: a name or a file
+    #[arg(value_name = "NAME|FILE")]
+    pub car: String,
 }
 
 /// Options of `lmpc car new`.

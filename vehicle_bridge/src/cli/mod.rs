@@ -2,6 +2,7 @@
 
 mod bench;
 mod car;
+mod config;
 mod export;
 mod fmu;
 mod hil;
@@ -11,6 +12,7 @@ mod network;
 mod operator;
 mod optimum;
 mod race;
+mod shell;
 mod study;
 mod top;
 mod track;
@@ -21,7 +23,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bench::BenchArgs;
-pub use car::{CarAction, CarFileArgs, NewCarArgs};
+pub use car::{CarAction, CarFileArgs, NewCarArgs, ShowCarArgs};
+pub use config::ConfigArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
 pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
@@ -32,7 +35,8 @@ pub use network::{
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
-pub use race::{ControllerArgs, OnFailure, RaceArgs};
+pub use race::{ControllerArgs, LimitArgs, OnFailure, RaceArgs};
+pub use shell::{CompletionsArgs, ManArgs};
 pub use study::{PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
@@ -93,8 +97,10 @@ pub enum Command {
     Bench(BenchArgs),
     /// Show, convert or make tracks: what an import changes, before and after
     Track(TrackArgs),
-    /// Begin a car file
+    /// Begin a car file, or show what a car is read as
     Car(CarFileArgs),
+    /// Print every setting of the controller: value, unit and where it comes from
+    Config(Box<ConfigArgs>),
     /// Find every problem of configuration, track, car and map files at once
     Check(CheckArgs),
     /// Find what this computer lacks to drive a car, each with its fix
@@ -107,6 +113,8 @@ pub enum Command {
     Fmu(FmuArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
+    /// Write the manual pages
+    Man(ManArgs),
 }
 
 impl Command {
@@ -145,7 +153,8 @@ Examples:
 
 The kind of a file is recognised from its content: configuration, car, track, map of a car's
 messages or of a vehicle FMU in TOML, track in CSV or TTL. A map is checked with the FMU or `.lcm`
-files it names. Exit code 1 if any file has a problem.";
+files it names. A car or configuration without problems is followed by the settings that the
+controller derives from it; `lmpc config` prints all. Exit code 1 if any file has a problem.";
 
 /// Options of `lmpc check`.
 #[derive(Debug, Args)]
@@ -154,17 +163,16 @@ pub struct CheckArgs {
     /// Files to check
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Print the problems as JSON
+    /// Car that settings are derived for; by default barc, and for a car file the car in it
+    #[arg(long, value_name = "NAME|FILE")]
+    pub car: Option<String>,
+    /// Track that settings are derived for; by default the first that ships with lmpc and fits the
+    /// car
+    #[arg(long, value_name = "NAME|FILE")]
+    pub track: Option<String>,
+    /// Print problems and settings as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Options of `lmpc completions`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  lmpc completions bash > /etc/bash_completion.d/lmpc")]
-pub struct CompletionsArgs {
-    /// Shell
-    pub shell: clap_complete::Shell,
 }
 
 /// When to use colour.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs};
-use services::effort::Overrun;
+use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs, LimitArgs};
+use services::deadline_monitor::Overrun;
 use transport::DEFAULT_URL;
 
 const SERVE_EXAMPLES: &str = "\
@@ -131,6 +131,9 @@ pub struct SimArgs {
     /// Seed of the car's noise
     #[arg(long, default_value_t = 0, value_name = "SEED")]
     pub seed: u64,
+    /// What is judged.
+    #[command(flatten)]
+    pub limit: LimitArgs,
     /// Time stands still until each state is answered
     #[arg(long)]
     pub lock_step: bool,

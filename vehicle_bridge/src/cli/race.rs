@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use controller::Config;
 use controller::config::{NominalModel, RegressionMode};
 
 use super::FmuVehicleArgs;
+use hosting::rule::TrackLimit;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,12 +77,38 @@ pub struct RaceArgs {
     /// Folder of kept time-optimal laps; by default that of the track's file, or out/optimum
     #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
+    /// What is judged.
+    #[command(flatten)]
+    pub limit: LimitArgs,
     /// What a car that leaves the track, spins or stands does to the race
     #[arg(long, value_enum, default_value = "stop", value_name = "WHAT")]
     pub on_failure: OnFailure,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// What has to stay inside the track.
+#[derive(Debug, Args)]
+pub struct LimitArgs {
+    /// Judge only the centre of gravity, as the paper does; the default of the preset paper
+    #[arg(long)]
+    pub centre_of_gravity: bool,
+    /// Judge the whole body of the car; the default of the preset race
+    #[arg(long, conflicts_with = "centre_of_gravity")]
+    pub body: bool,
+}
+
+impl LimitArgs {
+    /// The limit for a controller with this configuration.
+    #[must_use]
+    pub fn limit(&self, config: &Config) -> TrackLimit {
+        match (self.body, self.centre_of_gravity) {
+            (true, _) => TrackLimit::Body,
+            (false, true) => TrackLimit::CentreOfGravity,
+            (false, false) => TrackLimit::of(config),
+        }
+    }
 }
 
 /// Car, track and settings of a controller.

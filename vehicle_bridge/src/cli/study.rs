@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use vehicle_model::Track;
 
-use super::race::PresetName;
+use super::race::{LimitArgs, PresetName};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -29,6 +29,7 @@ Examples:
 Drives every car on every track with every plant and every seed. A run fails when any part of the
 car's body leaves the track, when the car spins, turns round or stands still, or when a lap takes
 too long. Each finished run is one line of runs.csv at once; --resume runs what is missing there.
+Without it an earlier runs.csv becomes runs.before.csv.
 Failed runs leave their last steps in failures/. matrix.html shows all cells, failed ones first.
 Exit code 3 if any run failed.";
 
@@ -100,9 +101,9 @@ pub struct TracksStudyArgs {
     /// a folder of such files
     #[arg(long, value_name = "FILE|FOLDER")]
     pub optimum: Option<PathBuf>,
-    /// Judge only the centre of gravity, as the paper's studies do
-    #[arg(long)]
-    pub centre_of_gravity: bool,
+    /// What is judged.
+    #[command(flatten)]
+    pub limit: LimitArgs,
     /// Runs at the same time; by default one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: Option<u32>,
@@ -141,7 +142,7 @@ pub struct PaperStudyArgs {
     /// Runs at the same time; by default one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: Option<u32>,
-    /// Run everything again, also what an earlier start has finished
+    /// Run everything again; the earlier tables stay as runs.before.csv and laps.before.csv
     #[arg(long)]
     pub fresh: bool,
     /// Folder for the results; by default out/study-NAME

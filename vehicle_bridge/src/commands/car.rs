@@ -9,6 +9,7 @@ use anyhow::{Context as _, Result, bail};
 use hosting::load;
 
 use super::Outcome;
+use crate::check::facts;
 use crate::cli::{CarAction, CarFileArgs, NewCarArgs};
 use crate::console::result;
 
@@ -16,6 +17,16 @@ use crate::console::result;
 pub(super) fn run(args: &CarFileArgs) -> Result<Outcome> {
     match &args.action {
         CarAction::New(args) => new(args),
+        CarAction::Show(args) => {
+            let car = load::car(&args.car)?;
+            // As comments, so that the whole is a car file.
+            for fact in facts(&car) {
+                result(&format!("# {fact}"))?;
+            }
+            result("")?;
+            result(car.to_toml().trim_end())?;
+            Ok(Outcome::Done)
+        }
     }
 }
 

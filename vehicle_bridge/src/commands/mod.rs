@@ -3,6 +3,8 @@
 mod bench;
 mod car;
 mod check;
+mod config;
+mod config_schema;
 mod doctor;
 mod export;
 mod fmu;
@@ -16,6 +18,7 @@ mod race;
 mod race_table;
 mod seeds;
 mod setup;
+mod shell;
 mod study;
 mod study_tracks;
 mod top;
@@ -24,7 +27,6 @@ mod track_page;
 mod vehicle;
 
 use anyhow::Result;
-use clap::CommandFactory as _;
 
 use crate::cli::{Cli, Command, Vehicle, VehicleArgs};
 use crate::console::Talk;
@@ -84,17 +86,13 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Bench(args) => bench::run(&args, talk),
         Command::Track(args) => track::run(&args),
         Command::Car(args) => car::run(&args),
+        Command::Config(args) => config::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Hil(args) => hil::run(&args, talk),
         Command::Key(args) => key::run(&args, talk),
         Command::Fmu(args) => fmu::run(&args, talk),
-        Command::Completions(args) => {
-            // Into memory first: the generator panics if its output is closed.
-            let mut script = Vec::new();
-            clap_complete::generate(args.shell, &mut Cli::command(), "lmpc", &mut script);
-            std::io::Write::write_all(&mut std::io::stdout(), &script)?;
-            Ok(Outcome::Done)
-        }
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args),
     }
 }

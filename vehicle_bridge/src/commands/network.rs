@@ -100,12 +100,12 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
             if lap.valid { "" } else { ", not valid" }
         ));
     });
-    let effort = service.effort();
+    let deadlines = service.deadlines();
     talk.say(&format!(
         "{} steps, {} longer than a period; the longest took {:.2} ms from state to command",
-        effort.steps,
-        effort.overruns,
-        effort.longest * 1e3
+        deadlines.steps,
+        deadlines.overruns,
+        deadlines.longest * 1e3
     ));
     Ok(Outcome::Done)
 }
@@ -130,7 +130,7 @@ pub(super) fn sim(
             Box::new(Plant::new(params, Arc::clone(&options.track), start)?)
         }
     };
-    let rule = FailureRule::new(config, &options.track, vehicle.car(), options.limit);
+    let rule = FailureRule::new(config, &options.track, vehicle.car(), args.limit.limit(config));
     let (network, mut notes, _) = connect(&args.network, args.realtime)?;
     notes.extend(real_time(args.realtime));
     for note in &notes {

@@ -19,7 +19,7 @@ use hosting::settings::Usage;
 use hosting::shutdown::Shutdown;
 use protocol::convert;
 use racing::RaceOptions;
-use safety::{Lapse, Phase, Rules};
+use safety::{Phase, Rules, StopReason};
 use services::blackbox::BlackBox;
 use services::bridge::Bridge;
 use services::map_file;
@@ -64,8 +64,8 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let bridge = Bridge::new(rules, side, notes, &network)?.watching(&bare)?;
     let bridge = bridge.with_log(log.or(recording)).with_seal(seal).with_panic(panic_after);
     let mut bridge = bridge.with_watchdog(watchdog);
-    let bridged = bridge.run(&shutdown, &mut |phase, lapse| {
-        let why = if lapse == Lapse::None { String::new() } else { format!(" ({lapse})") };
+    let bridged = bridge.run(&shutdown, &mut |phase, reason| {
+        let why = if reason == StopReason::None { String::new() } else { format!(" ({reason})") };
         talk.say(&format!("{}{why}", phase.name()));
     });
     let c = bridged.commands;

@@ -21,6 +21,7 @@ use report::{Report, best_lap};
 /// Races once, or over several seeds.
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut options = setup::race(&args.controller, args.laps, talk)?;
+    options.limit = args.limit.limit(&options.config);
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
     let raceline = given_line(args)?;

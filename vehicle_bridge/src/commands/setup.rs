@@ -75,6 +75,11 @@ pub(super) fn nominal(name: &str, car: CarParams, mu: Option<f64>) -> Result<Car
 }
 
 fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Config> {
+    layers(args)?.build_for(car, track)
+}
+
+/// What the options set of a configuration.
+pub(super) fn layers(args: &ControllerArgs) -> Result<Layers> {
     let mut layers = Layers::default();
     if let Some(path) = &args.config {
         layers.file(path)?;
@@ -101,7 +106,7 @@ fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Confi
     for assignment in &args.set {
         layers.set(assignment)?;
     }
-    layers.build_for(car, track)
+    Ok(layers)
 }
 
 /// A name as the command line has it, which is also the configuration's.

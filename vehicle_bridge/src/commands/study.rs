@@ -32,15 +32,16 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
     let out =
         args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/study-{}", name.as_str())));
     let keys: Vec<_> = plans.iter().map(Plan::key).collect();
-    let mut ledger = Ledger::open(&out, |run| !args.fresh && keys.contains(&run.key()))?;
+    let mut ledger = Ledger::open(&out, &keys, args.fresh)?;
     let done: Vec<_> = ledger.runs.iter().map(RunRow::key).collect();
     let missing: Vec<&Plan> = plans.iter().filter(|plan| !done.contains(&plan.key())).collect();
     talk.say(&format!(
-        "{}: {} runs, {} kept from {}",
+        "{}: {} runs, {} kept from {}{}",
         study.title,
         plans.len(),
         done.len(),
-        out.display()
+        out.display(),
+        others(ledger.other_runs.len())
     ));
 
     let bar = progress(plans.len() as u64, done.len() as u64, talk);
@@ -85,6 +86,15 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
     }
     // A study in which cars fail has done its work: that is what it measures.
     Ok(Outcome::Done)
+}
+
+/// What is said of the runs in a table that are no part of a study.
+pub(super) fn others(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => "; 1 run with other settings or of another version stays there".to_owned(),
+        _ => format!("; {count} runs with other settings or of another version stay there"),
+    }
 }
 
 pub(super) fn progress(runs: u64, done: u64, talk: Talk) -> ProgressBar {

@@ -9,12 +9,11 @@ use anyhow::{Context as _, Result};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::study::progress;
+use super::study::{others, progress};
 use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
 use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
 use hosting::parallel::{parallel, threads};
-use hosting::rule::TrackLimit;
 use studies::tracks::{
     Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
     tracks,
@@ -41,7 +40,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
         cases.iter().filter(|case| done.binary_search(&case.key).is_err()).collect();
     let out = args.out.display();
     let lead = format!("{} runs of {} learned laps", cases.len(), args.laps);
-    talk.say(&format!("{lead}, {} kept from {out}", done.len()));
+    talk.say(&format!("{lead}, {} kept from {out}{}", done.len(), others(book.others.len())));
 
     race(&missing, args, &mut book, cases.len(), talk)?;
     book.sort(&keys)?;
@@ -86,9 +85,7 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
                     Arc::clone(&track.value),
                     args.laps,
                 )?;
-                if !args.centre_of_gravity {
-                    options.limit = TrackLimit::Body;
-                }
+                options.limit = args.limit.limit(&options.config);
                 let names = [car.label.as_str(), track.label.as_str(), label];
                 all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
             }

@@ -1,32 +1,139 @@
-//! Tables that survive a kill: rows are appended whole, a torn line is dropped when read again.
+//! Tables that survive a kill: rows are appended whole, and only a torn last line is dropped.
+//!
+//! Each row is one line. A line without its end was being written when the process was killed; it is
+//! cut off when the table is opened. Everything else that cannot be read stops the program: what
+//! this version cannot read it must not overwrite.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::Write as _;
-use std::path::Path;
+use std::fs::{self, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
+use csv::{ErrorKind as Fault, StringRecord};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// The rows of a table up to the first that cannot be read; none if there is no table.
-pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
-    match fs::read(path) {
-        Ok(bytes) => {
-            let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-            let mut reader = csv::Reader::from_reader(&bytes[..whole]);
-            Ok(reader.deserialize().map_while(Result::ok).collect())
+/// What to do about a table that cannot be read.
+const CURE: &str = "the file was left as it is. Correct or remove that line, or move the file away \
+                    to begin a new table";
+
+/// Opens a table: cuts off a torn last line and reads the others. No rows if there is no table.
+///
+/// # Errors
+/// If the file cannot be read, has other columns than `T`, or has a line that is no row.
+pub(super) fn open<T: DeserializeOwned + Serialize + Default>(path: &Path) -> Result<Vec<T>> {
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(error).context(format!("cannot read {}", path.display())),
+    };
+    let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+    let rows = parse(path, &bytes[..whole])?;
+    if whole < bytes.len() {
+        let cut = || {
+            let file = OpenOptions::new().write(true).open(path)?;
+            file.set_len(whole as u64)?;
+            file.sync_all()
+        };
+        cut().with_context(|| format!("cannot cut the torn last line off {}", path.display()))?;
+    }
+    Ok(rows)
+}
+
+fn parse<T: DeserializeOwned + Serialize + Default>(path: &Path, lines: &[u8]) -> Result<Vec<T>> {
+    if lines.is_empty() {
+        return Ok(Vec::new());
+    }
+    let refuse =
+        |line: u64, fault: String| format!("{}, line {line}: {fault}; {CURE}", path.display());
+    let mut reader = csv::ReaderBuilder::new().from_reader(lines);
+    let header = reader.headers().map_err(|e| anyhow::anyhow!(refuse(1, fault(&e, None))))?.clone();
+    let columns = columns::<T>()?;
+    if header != columns {
+        bail!(refuse(1, other_columns(&header, &columns)));
+    }
+    let (mut rows, mut record) = (Vec::new(), StringRecord::new());
+    loop {
+        // Blank lines may stand before the record: its own line is known once it is read.
+        let read = reader.read_record(&mut record);
+        let line = record.position().map_or(1, csv::Position::line);
+        match read {
+            Ok(false) => return Ok(rows),
+            Ok(true) if record.iter().any(|field| field.contains('\n')) => {
+                bail!(refuse(line, "a quotation mark is not closed in this line".to_owned()));
+            }
+            Ok(true) => match record.deserialize(Some(&columns)) {
+                Ok(row) => rows.push(row),
+                Err(e) => bail!(refuse(line, fault(&e, Some(&columns)))),
+            },
+            Err(e) => {
+                let line = e.position().map_or(line, csv::Position::line);
+                bail!(refuse(line, fault(&e, Some(&columns))));
+            }
         }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
-        Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
     }
 }
 
+/// The columns of a table of `T`.
+fn columns<T: Serialize + Default>() -> Result<StringRecord> {
+    let bytes = encode(&[T::default()], true)?;
+    Ok(csv::Reader::from_reader(&bytes[..]).headers()?.clone())
+}
+
+fn other_columns(found: &StringRecord, expected: &StringRecord) -> String {
+    let only = |of: &StringRecord, other: &StringRecord| -> Vec<String> {
+        let apart = of.iter().filter(|name| !other.iter().any(|known| known == *name));
+        apart.map(|name| format!("`{name}`")).collect()
+    };
+    let (unknown, missing) = (only(found, expected), only(expected, found));
+    let list = |label: &str, names: &[String]| match names {
+        [] => String::new(),
+        names => format!(", {label} {}", names.join(", ")),
+    };
+    format!(
+        "these are not the columns this version of lmpc writes{}{}{}",
+        list("unknown are", &unknown),
+        list("missing are", &missing),
+        if unknown.is_empty() && missing.is_empty() { ", their order differs" } else { "" }
+    )
+}
+
+/// What is wrong with a line.
+fn fault(error: &csv::Error, columns: Option<&StringRecord>) -> String {
+    match error.kind() {
+        Fault::UnequalLengths { expected_len, len, .. } => {
+            format!("{len} columns, expected {expected_len}")
+        }
+        Fault::Utf8 { .. } => "not UTF-8 text".to_owned(),
+        Fault::Deserialize { err, .. } => {
+            let index = err.field().and_then(|i| usize::try_from(i).ok());
+            match index.zip(columns).and_then(|(i, columns)| columns.get(i)) {
+                Some(name) => format!("column `{name}`: {}", err.kind()),
+                None => err.kind().to_string(),
+            }
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// Rows as text, each one line: a line break within a field becomes a blank.
 fn encode<T: Serialize>(rows: &[T], header: bool) -> Result<Vec<u8>> {
+    let finish = |writer: csv::Writer<Vec<u8>>| writer.into_inner().map_err(|e| e.into_error());
     let mut writer = csv::WriterBuilder::new().has_headers(header).from_writer(Vec::new());
     for row in rows {
         writer.serialize(row)?;
     }
-    Ok(writer.into_inner().map_err(|e| e.into_error())?)
+    let bytes = finish(writer)?;
+    let breaks = bytes.iter().filter(|b| matches!(b, b'\n' | b'\r')).count();
+    if breaks == rows.len() + usize::from(header && !rows.is_empty()) {
+        return Ok(bytes);
+    }
+    let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
+    for record in csv::ReaderBuilder::new().has_headers(false).from_reader(&bytes[..]).records() {
+        let record = record?;
+        writer.write_record(record.iter().map(|field| field.replace(['\n', '\r'], " ")))?;
+    }
+    Ok(finish(writer)?)
 }
 
 /// Appends rows in one write, so that a kill leaves at most one torn line.
@@ -40,14 +147,156 @@ pub(super) fn append<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
     write().with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Writes the whole table to a new file and renames it over the old one.
+/// Writes the whole table anew; the one before it stays as `.bak`.
 pub(super) fn replace<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
-    let write = || -> Result<()> {
-        let next = path.with_extension("csv.new");
-        let mut file = File::create(&next)?;
-        file.write_all(&encode(rows, true)?)?;
-        file.sync_all()?;
-        Ok(fs::rename(&next, path)?)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    let bytes = encode(rows, true)?;
+    atomic_file::replace(path, |mut file| file.write_all(&bytes))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Puts a table aside as `NAME.before.csv`, or with the next free number: an earlier one stays.
+pub(super) fn put_aside(path: &Path) -> Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    let mut aside = path.with_extension("before.csv");
+    let mut number = 2;
+    while aside.exists() {
+        aside = path.with_extension(format!("before-{number}.csv"));
+        number += 1;
+    }
+    fs::rename(path, &aside).with_context(|| format!("cannot put {} aside", path.display()))
+}
+
+/// The folder of a study while one program writes in it.
+#[derive(Debug)]
+pub(super) struct Folder {
+    path: PathBuf,
+    /// Locked until it is dropped.
+    _lock: fs::File,
+}
+
+impl Folder {
+    /// Makes the folder if there is none and locks it.
+    pub(super) fn lock(path: &Path) -> Result<Self> {
+        fs::create_dir_all(path)
+            .with_context(|| format!("cannot make the folder {}", path.display()))?;
+        let file = path.join(".lock");
+        let lock =
+            fs::File::create(&file).with_context(|| format!("cannot write {}", file.display()))?;
+        match lock.try_lock() {
+            Err(TryLockError::WouldBlock) => bail!(
+                "another lmpc study writes to {}: wait until it has ended, or give another --out",
+                path.display()
+            ),
+            // A file system without locks: two studies in one folder are then the user's care.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        Ok(Self { path: path.to_owned(), _lock: lock })
+    }
+
+    pub(super) fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+    struct Row {
+        name: String,
+        seed: u64,
+        time_s: Option<f64>,
+    }
+
+    fn row(name: &str, seed: u64, time_s: f64) -> Row {
+        Row { name: name.to_owned(), seed, time_s: Some(time_s) }
+    }
+
+    fn rows() -> Vec<Row> {
+        vec![row("plain", 12, 3.9), row("a, \"b\"\nc", 3, 0.1), row("\u{e9}", 4, 1e-7)]
+    }
+
+    /// The rows as they come back: each on one line.
+    fn stored() -> Vec<Row> {
+        let mut rows = rows();
+        rows[1].name = "a, \"b\" c".to_owned();
+        rows
+    }
+
+    #[test]
+    fn a_kill_at_any_byte_costs_the_torn_line_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.csv");
+        append(&path, &rows()).unwrap();
+        let bytes = fs::read(&path).unwrap();
+        for length in 0..=bytes.len() {
+            fs::write(&path, &bytes[..length]).unwrap();
+            let lines = bytes[..length].iter().filter(|b| **b == b'\n').count();
+            let mut expected = stored();
+            expected.truncate(lines.saturating_sub(1));
+            assert_eq!(open::<Row>(&path).unwrap(), expected, "cut at {length}");
+            let more = row("more", length as u64, 1.0);
+            append(&path, std::slice::from_ref(&more)).unwrap();
+            expected.push(more);
+            assert_eq!(open::<Row>(&path).unwrap(), expected, "written after a cut at {length}");
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_no_row_is_refused_and_nothing_is_touched() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.csv");
+        for (text, line, message) in [
+            ("name,seed,time_s\na,1,\nb,2\nc,3,1.5\n", 3, "2 columns, expected 3"),
+            ("name,seed,time_s\na,1,\nb,x,2\nc,3,1.5\n", 3, "column `seed`"),
+            ("name,seed,time_s\n\na,1,\nb,2,fast\n", 4, "column `time_s`"),
+            ("name,seed,time_s\n\"a,1,\nb\",2,3\nc,3,1.5\n", 2, "quotation mark"),
+            ("name,seed,time_s\nc,3,1.5\n\"b,2,", 0, ""),
+            ("name,seed\na,1\n", 1, "missing are `time_s`"),
+            ("name,seed,time_s,grip\na,1,2,3\n", 1, "unknown are `grip`"),
+            ("seed,name,time_s\n1,a,2\n", 1, "their order differs"),
+        ] {
+            fs::write(&path, text).unwrap();
+            if line == 0 {
+                assert_eq!(open::<Row>(&path).unwrap(), [row("c", 3, 1.5)]);
+                continue;
+            }
+            let error = format!("{:#}", open::<Row>(&path).unwrap_err());
+            let place = format!("runs.csv, line {line}: ");
+            assert!(error.contains(&place) && error.contains(message), "{text:?}: {error}");
+            assert!(error.contains(CURE) && fs::read_to_string(&path).unwrap() == text, "{text:?}");
+        }
+        fs::write(&path, b"name,seed,time_s\na,1,2\n\xff,1,2\n").unwrap();
+        let error = format!("{:#}", open::<Row>(&path).unwrap_err());
+        assert!(error.contains("line 3: not UTF-8"), "{error}");
+    }
+
+    #[test]
+    fn tables_put_aside_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.csv");
+        for content in ["one", "two", "three"] {
+            fs::write(&path, content).unwrap();
+            put_aside(&path).unwrap();
+        }
+        put_aside(&path).unwrap();
+        for (name, content) in [("before", "one"), ("before-2", "two"), ("before-3", "three")] {
+            let aside = folder.path().join(format!("runs.{name}.csv"));
+            assert_eq!(fs::read_to_string(aside).unwrap(), content);
+        }
+    }
+
+    #[test]
+    fn a_folder_has_one_writer() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Folder::lock(folder.path()).unwrap();
+        let error = Folder::lock(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("another lmpc study"), "{error}");
+        drop(first);
+        Folder::lock(folder.path()).unwrap();
+    }
 }

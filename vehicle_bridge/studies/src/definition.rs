@@ -5,7 +5,7 @@ use controller::Config;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use hosting::settings::Layers;
+use hosting::settings::{Layers, Origin};
 use racing::words::model_word;
 
 /// A study as its file describes it.
@@ -143,10 +143,11 @@ impl Definition {
         set: &[String],
     ) -> Result<(Cell, Config)> {
         let mut layers = Layers::default();
-        layers.text(&toml::to_string(&self.config)?)?;
+        let origin = || Origin::File(format!("study {}", self.title));
+        layers.text(&toml::to_string(&self.config)?, origin())?;
         for part in &self.overrides {
             if part.when.holds(regression, control_rate_cost, bandwidth) {
-                layers.text(&toml::to_string(&part.config)?)?;
+                layers.text(&toml::to_string(&part.config)?, origin())?;
             }
         }
         layers.insert("regression", "mode", regression);

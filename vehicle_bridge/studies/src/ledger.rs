@@ -1,16 +1,20 @@
 //! `runs.csv` and `laps.csv` of a study: every finished run is on disk before the next begins,
-//! and a study that was interrupted goes on from there.
+//! and a study that was interrupted goes on from there. Runs with other settings stay in the tables.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
-use super::csv_file::{append, read, replace};
+use super::csv_file::{Folder, append, open, put_aside, replace};
+
+/// The table of the runs.
+const RUNS: &str = "runs.csv";
+/// The table of their laps.
+const LAPS: &str = "laps.csv";
 
 /// One run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRow {
     /// Regression mode.
     pub regression: String,
@@ -39,7 +43,7 @@ pub struct RunRow {
 }
 
 /// One lap of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyLap {
     /// Regression mode.
     pub regression: String,
@@ -75,7 +79,7 @@ pub struct StudyLap {
     pub settings: String,
 }
 
-/// Key of a run.
+/// Key of a run: mode, nominal model, rate cost, bandwidth, seed, fingerprint of the settings.
 type Key = (String, String, String, String, u64, String);
 
 impl RunRow {
@@ -99,35 +103,50 @@ impl StudyLap {
 /// The tables of a study on disk.
 #[derive(Debug)]
 pub struct Ledger {
-    folder: PathBuf,
-    /// Finished runs.
+    folder: Folder,
+    /// Finished runs of this study.
     pub runs: Vec<RunRow>,
     /// Their laps.
     pub laps: Vec<StudyLap>,
+    /// Runs in the table with other settings or of another version; they stay there.
+    pub other_runs: Vec<RunRow>,
+    other_laps: Vec<StudyLap>,
 }
 
 impl Ledger {
-    /// Opens the tables in `folder`, keeping the runs for which `wanted` holds. What a kill left
-    /// half written is dropped.
+    /// Opens the tables in `folder`. Runs of `keys` are kept as finished; all others stay in the
+    /// tables. With `fresh` the tables are put aside as `runs.before.csv` and `laps.before.csv`.
     ///
     /// # Errors
-    /// If the folder cannot be read or written.
-    pub fn open(folder: &Path, wanted: impl Fn(&RunRow) -> bool) -> Result<Self> {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let mut runs: Vec<RunRow> = read(&folder.join("runs.csv"))?;
-        runs.retain(wanted);
-        let keys: Vec<Key> = runs.iter().map(RunRow::key).collect();
-        let mut laps: Vec<StudyLap> = read(&folder.join("laps.csv"))?;
-        laps.retain(|lap| keys.contains(&lap.key()));
-        // A run whose laps were lost is run again.
+    /// If the folder cannot be read or written, another study writes to it, or a table has a line
+    /// that is no row; only a torn last line is dropped.
+    pub fn open(folder: &Path, keys: &[Key], fresh: bool) -> Result<Self> {
+        let folder = Folder::lock(folder)?;
+        let (runs_file, laps_file) = (folder.file(RUNS), folder.file(LAPS));
+        if fresh {
+            put_aside(&runs_file)?;
+            put_aside(&laps_file)?;
+        }
+        let (all_runs, all_laps) = (open::<RunRow>(&runs_file)?, open::<StudyLap>(&laps_file)?);
+        let (mut runs, other_runs): (Vec<_>, Vec<_>) =
+            all_runs.into_iter().partition(|run| keys.contains(&run.key()));
+        let (mut laps, other_laps): (Vec<_>, Vec<_>) =
+            all_laps.into_iter().partition(|lap| keys.contains(&lap.key()));
+        // What a kill left half written of a run is done again: its laps without the run, and a
+        // run whose laps are gone.
+        let found = (runs.len(), laps.len());
         runs.retain(|run| {
             let finished = |l: &&StudyLap| l.iteration.is_some() && l.lap_time_s.is_some();
             let own = laps.iter().filter(|l| l.key() == run.key());
             own.filter(finished).count() == run.laps_completed as usize
         });
-        let ledger = Self { folder: folder.to_owned(), runs, laps };
-        ledger.rewrite()?;
+        let kept: Vec<Key> = runs.iter().map(RunRow::key).collect();
+        laps.retain(|lap| kept.contains(&lap.key()));
+        let whole = found == (runs.len(), laps.len());
+        let ledger = Self { folder, runs, laps, other_runs, other_laps };
+        if !whole {
+            ledger.rewrite()?;
+        }
         Ok(ledger)
     }
 
@@ -136,14 +155,15 @@ impl Ledger {
     /// # Errors
     /// If the tables cannot be written.
     pub fn add(&mut self, run: RunRow, laps: Vec<StudyLap>) -> Result<()> {
-        append(&self.folder.join("laps.csv"), &laps)?;
-        append(&self.folder.join("runs.csv"), std::slice::from_ref(&run))?;
+        append(&self.folder.file(LAPS), &laps)?;
+        append(&self.folder.file(RUNS), std::slice::from_ref(&run))?;
         self.runs.push(run);
         self.laps.extend(laps);
         Ok(())
     }
 
-    /// Puts the tables into the order of `keys`, whatever order the runs finished in.
+    /// Puts the tables into the order of `keys`, whatever order the runs finished in; runs with
+    /// other settings come last.
     ///
     /// # Errors
     /// If the tables cannot be written.
@@ -155,7 +175,95 @@ impl Ledger {
     }
 
     fn rewrite(&self) -> Result<()> {
-        replace(&self.folder.join("runs.csv"), &self.runs)?;
-        replace(&self.folder.join("laps.csv"), &self.laps)
+        let runs: Vec<&RunRow> = self.runs.iter().chain(&self.other_runs).collect();
+        let laps: Vec<&StudyLap> = self.laps.iter().chain(&self.other_laps).collect();
+        replace(&self.folder.file(RUNS), &runs)?;
+        replace(&self.folder.file(LAPS), &laps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn run(seed: u64, settings: &str) -> RunRow {
+        let words = ["error", "dynamic", settings].map(str::to_owned);
+        let [regression, nominal, settings] = words;
+        RunRow { regression, nominal, seed, laps_completed: 2, settings, ..RunRow::default() }
+    }
+
+    fn laps(run: &RunRow) -> Vec<StudyLap> {
+        let lap = |number| StudyLap {
+            regression: run.regression.clone(),
+            nominal: run.nominal.clone(),
+            seed: run.seed,
+            lap: number,
+            iteration: Some(number),
+            lap_time_s: Some(4.0 + f64::from(number)),
+            settings: run.settings.clone(),
+            ..StudyLap::default()
+        };
+        vec![lap(1), lap(2)]
+    }
+
+    fn tables(folder: &Path) -> (Vec<RunRow>, Vec<StudyLap>) {
+        (open(&folder.join(RUNS)).unwrap(), open(&folder.join(LAPS)).unwrap())
+    }
+
+    #[test]
+    fn a_kill_at_any_byte_of_either_table_costs_one_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let all = [run(7, "other"), run(0, "now"), run(1, "now")];
+        let mut ledger = Ledger::open(folder.path(), &[], false).unwrap();
+        let mut before = (0, 0);
+        let length = |name| fs::metadata(folder.path().join(name)).unwrap().len() as usize;
+        for run in &all {
+            before = if run.seed == 1 { (length(LAPS), length(RUNS)) } else { before };
+            ledger.add(run.clone(), laps(run)).unwrap();
+        }
+        drop(ledger);
+        let bytes = |name| fs::read(folder.path().join(name)).unwrap();
+        let (laps_bytes, runs_bytes) = (bytes(LAPS), bytes(RUNS));
+        let keys = [all[1].key(), all[2].key()];
+        let laps_cuts = (before.0..laps_bytes.len()).map(|cut| (cut, before.1));
+        let runs_cuts = (before.1..runs_bytes.len()).map(|cut| (laps_bytes.len(), cut));
+        for (laps_end, runs_end) in laps_cuts.chain(runs_cuts) {
+            fs::write(folder.path().join(LAPS), &laps_bytes[..laps_end]).unwrap();
+            fs::write(folder.path().join(RUNS), &runs_bytes[..runs_end]).unwrap();
+            let mut ledger = Ledger::open(folder.path(), &keys, false).unwrap();
+            assert_eq!(ledger.runs, all[1..2], "cut at {laps_end} and {runs_end}");
+            ledger.add(all[2].clone(), laps(&all[2])).unwrap();
+            ledger.sort(&keys).unwrap();
+            let (runs, found) = tables(folder.path());
+            assert_eq!(runs, [1, 2, 0].map(|i| all[i].clone()));
+            assert_eq!(found, [1, 2, 0].map(|i| laps(&all[i])).concat());
+        }
+    }
+
+    #[test]
+    fn other_settings_stay_and_fresh_puts_the_tables_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let (old, new) = (run(0, "version 1"), run(0, "version 2"));
+        Ledger::open(folder.path(), &[], false).unwrap().add(old.clone(), laps(&old)).unwrap();
+        let mut ledger = Ledger::open(folder.path(), &[new.key()], false).unwrap();
+        assert!(ledger.runs.is_empty());
+        ledger.add(new.clone(), laps(&new)).unwrap();
+        ledger.sort(&[new.key()]).unwrap();
+        drop(ledger);
+        assert_eq!(tables(folder.path()).0, [new.clone(), old.clone()]);
+
+        // A line in the middle that is no row stops the study, and the table stays as it is.
+        let text = fs::read_to_string(folder.path().join(RUNS)).unwrap();
+        let broken = text.replacen("\nerror,", "\nerror;", 1);
+        fs::write(folder.path().join(RUNS), &broken).unwrap();
+        let error = Ledger::open(folder.path(), &[new.key()], false).unwrap_err();
+        assert!(error.to_string().contains("runs.csv, line 2"), "{error}");
+        assert_eq!(fs::read_to_string(folder.path().join(RUNS)).unwrap(), broken);
+
+        let ledger = Ledger::open(folder.path(), &[new.key()], true).unwrap();
+        assert!(ledger.runs.is_empty() && ledger.other_runs.is_empty());
+        assert_eq!(fs::read_to_string(folder.path().join("runs.before.csv")).unwrap(), broken);
+        assert!(folder.path().join("laps.before.csv").exists());
     }
 }

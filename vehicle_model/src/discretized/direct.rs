@@ -25,7 +25,7 @@ impl AlongStep for Direct<'_> {
         let grip = self.step.model.grip.map(|grip| Dual::fixed(u[0].constant(grip)));
         let u = [Dual::direction(u[0], NX), Dual::direction(u[1], NX + 1)];
         let state = std::array::from_fn(|i| Dual::direction(x[i], i));
-        self.step.step(&state, &u, &grip, self.road)
+        self.step.step::<_, true>(&state, &u, &grip, self.road)
     }
 
     fn unpack<T: Real>(

@@ -85,7 +85,7 @@ fn expected(step: &Discretized, x: &State, u: &Input, road: &impl Road) -> [Orac
     let values = state_array(x);
     let state = std::array::from_fn(|i| Oracle::from_re(values[i]).derivative(i));
     let input = [Oracle::from_re(u.a).derivative(NX), Oracle::from_re(u.delta).derivative(NX + 1)];
-    step.step(&state, &input, &step.model.grip.map(Oracle::from_re), road)
+    step.step::<_, false>(&state, &input, &step.model.grip.map(Oracle::from_re), road)
 }
 
 /// Largest deviation relative to the largest entry of the row [-].

@@ -61,7 +61,7 @@ fn velocities<T: Number>(
     road: &dyn Road,
 ) -> [T; 3] {
     if !step.varies(road) {
-        let [v_x, v_y, omega_z, ..] = step.step(x, u, grip, road);
+        let [v_x, v_y, omega_z, ..] = step.step::<_, true>(x, u, grip, road);
         return [v_x, v_y, omega_z];
     }
     let (substeps, h) = step.grid();

@@ -6,7 +6,7 @@ use super::super::layout::Shape;
 use super::super::{Fhocp, Solution, SolveReport};
 use super::barrier::Barrier;
 use super::hull::Hull;
-use super::recursion::{Gain, Model, backward, costates, factor, forward};
+use super::recursion::{Gain, Model, backward, carry, costates, factor, forward};
 use super::report;
 use super::rows::{FRONT, Point, REAR, Rows, quantities};
 use super::stage::{At, Curvature, Gradient, penalty};
@@ -224,7 +224,7 @@ impl Work {
             &mut self.gains,
         );
         let Point { x, u, s, lambda } = &mut self.direction;
-        forward(&self.models, &self.gains, defect, x, u);
+        forward(problem, &self.models, &self.gains, defect, x, u);
         for (t, s) in s.iter_mut().enumerate() {
             let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
             *s = self.curvature[t].slacks(&self.gradient[t], &dy);
@@ -256,8 +256,9 @@ impl Work {
         let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
         let penalty = penalty(problem);
         let mut scale: f64 = 1.0;
-        // Stationarity of x_{t+1} without its own rows, and the rate's part on the input before.
-        let (mut after, mut rate_after) = (self.hull.y, Vector2::zeros());
+        // Stationarity of x_{t+1} without its own rows, and what a stage has on the input before.
+        let (mut after, mut input_after) = (self.hull.y, Vector2::zeros());
+        let carry = carry(problem);
         for t in (0..problem.horizon()).rev() {
             let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
             let z = self.rows.stage(t, &self.barrier.z);
@@ -278,12 +279,12 @@ impl Work {
             let pi = &self.costate[t];
             let (a_pi, b_pi) = self.models[t].adjoint(pi);
             let state = after + gradient.next_state(problem, t) - pi;
-            let input = gradient.input(problem, t) + gradient.rate - rate_after + b_pi;
+            let input = gradient.input(problem, t) + gradient.rate + input_after + b_pi;
             dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
             dual = dual.max(state.amax()).max(input.amax());
             scale = scale.max(pi.amax());
             after = a_pi + gradient.state(problem, t);
-            rate_after = gradient.rate;
+            input_after = b_pi * carry - gradient.rate;
         }
         let gap = self.barrier.gap() / (1.0 + cost.abs());
         // Costates carry the rounding of a curvature up to 1 / delta.

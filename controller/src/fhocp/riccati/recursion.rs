@@ -6,25 +6,27 @@
 //! V_t(x, v) = 1/2 x'P x + x'M v + 1/2 v'N v + p'x + n'v,       v = u_{t-1}
 //! ```
 //!
-//! Only the rates `u - v` hold v, with the diagonal curvature D, so no product is larger than
+//! Two things hold v: the rates `u - v`, with the diagonal curvature D, and, where the actuators
+//! lag, the dynamics x_{t+1} = A x + B u + E v, with E a multiple of B. No product is larger than
 //! 6 x 6. With P, M, N, p, n of stage t+1 (P and p hold the soft constraints on x_{t+1} already)
 //! and stage t's own curvature and gradient:
 //!
 //! ```text
 //! G   = R + B'P B + B'M + M'B + N,     H = G + D
 //! F   = A'(P B + M) + front slip                        6 x 2
-//! u   = -H^-1 (F'x + h) + H^-1 D v,    h = r + d + B'p + n
+//! K   = B'P E + M'E                                     2 x 2
+//! u   = -H^-1 (F'x + h) + H^-1 (D - K) v,    h = r + d + B'p + n
 //! P_t = A'P A - F H^-1 F' + front slip
-//! M_t = F H^-1 D
-//! N_t = D - D H^-1 D = G H^-1 D
-//! p_t = A'p - F H^-1 h + front slip,   n_t = D H^-1 h - d
+//! M_t = A'P E + F H^-1 (D - K)
+//! N_t = E'P E + D - (D - K)' H^-1 (D - K)
+//! p_t = A'p - F H^-1 h + front slip,   n_t = E'p + (D - K)' H^-1 h - d
 //! ```
 //!
-//! A defect c = A x + B u + C - x_{t+1} of the iterate moves p to p + P c and n to n + M'c. The
-//! costate of x_{t+1} after a full step is `P dx + M du + p`.
+//! A defect c = A x + B u + E v + C - x_{t+1} of the iterate moves p to p + P c and n to n + M'c.
+//! The costate of x_{t+1} after a full step is `P dx + M du + p`.
 //!
-//! N is formed as `G H^-1 D`: an active rate limit makes D large, and the difference would lose
-//! the digits of G.
+//! In N_t, `D - D H^-1 D` is formed as `G H^-1 D`: an active rate limit makes D large, and the
+//! difference would lose the digits of G.
 
 use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
 
@@ -45,11 +47,11 @@ pub(super) struct Model {
 
 impl Model {
     #[inline(always)]
-    pub(super) fn load(&mut self, model: &Affine) {
+    pub(super) fn load(&mut self, model: &Affine, lag: f64) {
         self.a = model.a;
-        self.b = model.b;
+        self.b = if lag == 0.0 { model.b } else { model.b * (1.0 - lag) };
         self.a_transposed = transpose(&model.a);
-        self.b_transposed = transpose(&model.b);
+        self.b_transposed = transpose(&self.b);
     }
 
     /// A x + B u.
@@ -65,13 +67,13 @@ impl Model {
     }
 }
 
-/// Feedback of one stage: u = offset - (F H^-1)' x + (H^-1 D) v.
+/// Feedback of one stage: u = offset - (F H^-1)' x + H^-1 (D - K) v.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gain {
     /// F H^-1.
     state: Matrix6x2<f64>,
     state_transposed: Matrix2x6<f64>,
-    /// H^-1 D.
+    /// H^-1 (D - K).
     previous: Matrix2<f64>,
     /// H^-1.
     inverse: Matrix2<f64>,
@@ -95,6 +97,7 @@ pub(super) fn factor(
     gains: &mut [Gain],
 ) {
     let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
+    let carry = carry(problem);
     for t in (0..problem.horizon()).rev() {
         let (model, own) = (&models[t], &curvature[t]);
         let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
@@ -104,7 +107,16 @@ pub(super) fn factor(
 
         let pb_m = product(&p, &model.b) + m;
         let mut f = product(&model.a_transposed, &pb_m);
-        let mut g = product(&model.b_transposed, &pb_m) + product(&transpose(&m), &model.b) + n;
+        let b_pb_m = product(&model.b_transposed, &pb_m);
+        let m_b = product(&transpose(&m), &model.b);
+        let mut g = b_pb_m + m_b + n;
+        // Terms of v: A'P E, B'P E + M'E and E'P E.
+        let carried = if carry == 0.0 {
+            None
+        } else {
+            let a_pe = (f - product(&model.a_transposed, &m)) * carry;
+            Some((a_pe, transpose(&b_pb_m) * carry, (b_pb_m - transpose(&m_b)) * (carry * carry)))
+        };
         for i in 0..3 {
             f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
         }
@@ -115,7 +127,11 @@ pub(super) fn factor(
         let inverse =
             inverse(&Matrix2::new(g[(0, 0)] + rate[0], g[(0, 1)], g[(1, 0)], g[(1, 1)] + rate[1]));
         let state = product(&f, &inverse);
-        let previous = scale_columns(&inverse, rate);
+        let mut previous = scale_columns(&inverse, rate);
+        let kept = product(&g, &previous);
+        if let Some((_, k, _)) = &carried {
+            previous -= product(&inverse, k);
+        }
         let gain = &mut gains[t];
         gain.p = p;
         gain.m = m;
@@ -131,7 +147,13 @@ pub(super) fn factor(
         add_square(&mut p, &front.velocity, own.soft[FRONT]);
         symmetrise(&mut p);
         m = scale_columns(&state, rate);
-        n = product(&g, &previous);
+        n = kept;
+        if let Some((a_pe, k, e_pe)) = &carried {
+            let inverse_k = product(&inverse, k);
+            let d_inverse_k = transpose(&scale_columns(&transpose(&inverse_k), rate));
+            m += a_pe - product(&state, k);
+            n += e_pe + d_inverse_k + transpose(&d_inverse_k) - product(&transpose(k), &inverse_k);
+        }
         symmetrise(&mut n);
     }
 }
@@ -148,6 +170,7 @@ pub(super) fn backward(
     gains: &mut [Gain],
 ) {
     let (mut p, mut n) = (*terminal, Vector2::zeros());
+    let carry = carry(problem);
     for t in (0..problem.horizon()).rev() {
         let (own, gain) = (&gradient[t], &mut gains[t]);
         p += own.next_state(problem, t);
@@ -160,13 +183,24 @@ pub(super) fn backward(
         let h = own.input(problem, t) + own.rate + b_p + n;
         gain.offset = product(&gain.inverse, &h);
         p = a_p - product(&gain.state, &h) + own.state(problem, t);
-        n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
+        if carry == 0.0 {
+            n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
+        } else {
+            n = gain.previous.tr_mul(&h) - own.rate + b_p * carry;
+        }
     }
+}
+
+/// E over B: how a stage's input before acts in terms of its own.
+#[inline(always)]
+pub(super) fn carry(problem: &Fhocp) -> f64 {
+    problem.lag / (1.0 - problem.lag)
 }
 
 /// The direction, forward from x_0 and u_{-1}, which do not move.
 #[inline(always)]
 pub(super) fn forward(
+    problem: &Fhocp,
     models: &[Model],
     gains: &[Gain],
     defect: Option<&[Vector6<f64>]>,
@@ -175,9 +209,11 @@ pub(super) fn forward(
 ) {
     let mut v = Vector2::zeros();
     dx[0] = Vector6::zeros();
+    let carry = carry(problem);
     for (t, (model, gain)) in models.iter().zip(gains).enumerate() {
         let u = product(&gain.previous, &v) - product(&gain.state_transposed, &dx[t]) - gain.offset;
-        dx[t + 1] = model.apply(&dx[t], &u);
+        let acting = if carry == 0.0 { u } else { u + v * carry };
+        dx[t + 1] = model.apply(&dx[t], &acting);
         if let Some(defect) = defect {
             dx[t + 1] += defect[t];
         }

@@ -37,7 +37,7 @@ impl Work {
         self.rows.widths(problem, &mut self.barrier.width);
         self.hull.load(problem);
         for (ours, model) in self.models.iter_mut().zip(&problem.model) {
-            ours.load(model);
+            ours.load(model, problem.lag);
         }
         self.barrier.penalise(PENALTY);
         self.condense(problem)
@@ -82,8 +82,9 @@ impl Work {
         for t in 0..shape.horizon {
             let share = (t + 1) as f64 / shape.horizon as f64;
             self.point.x[t + 1] = problem.x_0 + way * share;
+            let before = if t == 0 { problem.u_prev } else { u };
             self.costate_next[t] =
-                problem.model[t].apply(&self.point.x[t], &u) - self.point.x[t + 1];
+                problem.next(t, &self.point.x[t], &u, &before) - self.point.x[t + 1];
         }
         self.costate.fill(Vector6::zeros());
     }

@@ -48,12 +48,17 @@ fn bytes(command: &ActuationCommand) -> Vec<u8> {
 /// A core that runs by the grant 42 since `NOW`, after command number 0.
 fn running(rules: &Rules) -> Safety {
     let order = |kind| Order { kind, token: 42, deadman: false, fresh: 42 };
-    let first = Offer { boot_id: CONTROLLER, token: 42, valid_for_ns: MS, ..Offer::default() };
-    let first = Offer { arrival_ns: NOW, since_ns: NOW, ..first };
+    let first = DecodedCommand {
+        boot_id: CONTROLLER,
+        token: 42,
+        valid_for_ns: MS,
+        ..DecodedCommand::default()
+    };
+    let first = DecodedCommand { arrival_ns: NOW, since_ns: NOW, ..first };
     let events = [
         (Event::State(State::default(), 2), NOW - 100 * MS),
         (Event::State(State::default(), 2), NOW),
-        (Event::Pulse(CONTROLLER), NOW),
+        (Event::Heartbeat(CONTROLLER), NOW),
         (Event::Setup(CONTROLLER, rules.setup), NOW),
         (Event::Published(6), NOW - 9 * MS),
         (Event::Published(7), NOW - 8 * MS),
@@ -94,7 +99,7 @@ fn a_whole_command_becomes_the_offer_it_says() {
     let mut plan = [Input::default(); PLAN];
     plan[0] = Input { a: 0.75, delta: 0.125 };
     plan[1] = Input { a: -1.0, delta: -0.25 };
-    let expected = Offer {
+    let expected = DecodedCommand {
         boot_id: CONTROLLER,
         seq: 1,
         arrival_ns: NOW,

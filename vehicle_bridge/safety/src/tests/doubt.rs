@@ -28,7 +28,7 @@ enum Fault {
 struct Drive {
     /// Time from the fault to the stop. \[s\]
     detected: Option<f64>,
-    why: Lapse,
+    why: StopReason,
     /// How far a corner of the body was beyond the edge, at most. \[m\]
     beyond: f64,
     /// Worst level before the fault. \[-\]
@@ -72,14 +72,14 @@ fn drive_as(
     };
     let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
     tell(&Event::State(State::default(), 2), now);
-    tell(&Event::Pulse(7), now);
+    tell(&Event::Heartbeat(7), now);
     tell(&Event::Setup(7, rules.setup), now);
     tell(&order(OrderKind::Arm { moving: false, controller: 0 }), now);
     tell(&order(OrderKind::Start), now);
     let mut held = Input::default();
     let mut seen = State::default();
     let (mut begun, mut stuck) = (None, Input::default());
-    let mut drive = Drive { detected: None, why: Lapse::None, beyond: f64::MIN, before: 0.0 };
+    let mut drive = Drive { detected: None, why: StopReason::None, beyond: f64::MIN, before: 0.0 };
     let mut running = true;
     for n in 0..4000 {
         let mut u = held;
@@ -121,7 +121,7 @@ fn drive_as(
             tell(&Event::State(x, 2), now);
             tell(&Event::Published(n), now);
             let input = follow(&rules, &x, speed);
-            let offer = Offer {
+            let offer = DecodedCommand {
                 boot_id: 7,
                 seq: n,
                 arrival_ns: now,
@@ -131,7 +131,7 @@ fn drive_as(
                 drives: true,
                 input,
                 valid_for_ns: 100 * MS,
-                ..Offer::default()
+                ..DecodedCommand::default()
             };
             tell(&Event::Command(&offer), now);
         }
@@ -142,7 +142,7 @@ fn drive_as(
         }
         if running && safety.phase() != Phase::Running {
             running = false;
-            drive.why = safety.lapse();
+            drive.why = safety.stop_reason();
             drive.detected = begun.map(|(at, _)| (now - at) as f64 * 1e-9);
         }
         if truth.v_x < 0.05 && n > 200 {
@@ -159,7 +159,7 @@ fn stopped_by(fault: Fault, what: &[Suspicion], most_s: f64) -> f64 {
         for speed in [2.0, 3.0] {
             let drive = drive(fault, speed, s, seed);
             let detected = drive.detected.unwrap_or(f64::INFINITY);
-            let named = what.iter().any(|w| drive.why == Lapse::Doubt(*w));
+            let named = what.iter().any(|w| drive.why == StopReason::Doubt(*w));
             assert!(named && detected <= most_s, "{fault:?} at s {s}, {speed} m/s: {drive:?}");
             slowest = slowest.max(detected);
             farthest = farthest.max(drive.beyond);
@@ -179,7 +179,7 @@ fn stopped_by(fault: Fault, what: &[Suspicion], most_s: f64) -> f64 {
 fn a_drive_without_a_fault_is_not_stopped() {
     for (seed, speed) in [1.0, 2.0, 3.0, 3.5].into_iter().enumerate() {
         let drive = drive(Fault::Nothing, speed, 1e9, seed as u64);
-        assert_eq!(drive.why, Lapse::None, "{speed} m/s: {drive:?}");
+        assert_eq!(drive.why, StopReason::None, "{speed} m/s: {drive:?}");
         assert!(drive.before < 0.75, "{speed} m/s: {drive:?}");
     }
 }
@@ -196,7 +196,7 @@ fn another_grip_lag_or_noise_than_known_is_no_fault() {
                     seed += 1;
                     let drive = drive_as(&real, noise, Fault::Nothing, speed, 1e9, seed);
                     let about = format!("mu {mu}, lag {lag} s, noise {noise}, {speed} m/s");
-                    assert_eq!(drive.why, Lapse::None, "{about}: {drive:?}");
+                    assert_eq!(drive.why, StopReason::None, "{about}: {drive:?}");
                     level = level.max(drive.before);
                 }
             }
@@ -233,7 +233,7 @@ fn a_slow_drift_of_the_position_is_found_by_the_bends() {
     // a car that is farther out in a bend than it says takes longer through it.
     for (seed, s) in [(1, 4.0), (2, 9.0), (3, 14.0)] {
         let found = drive(Fault::Drift(0.02), 2.0, s, seed);
-        assert!(matches!(found.why, Lapse::Doubt(_)) && found.beyond < 0.0, "{found:?}");
+        assert!(matches!(found.why, StopReason::Doubt(_)) && found.beyond < 0.0, "{found:?}");
     }
 }
 
@@ -244,7 +244,7 @@ fn a_stop_without_states_stays_on_the_track() {
         for speed in [3.0, 3.5] {
             let drive = drive(Fault::NoStates, speed, 18.0 + 0.95 * f64::from(i), i.into());
             // Without states the controller is silent, too: whichever is missed first.
-            assert!(matches!(drive.why, Lapse::States | Lapse::Validity), "{drive:?}");
+            assert!(matches!(drive.why, StopReason::States | StopReason::Validity), "{drive:?}");
             worst = worst.max(drive.beyond);
         }
     }

@@ -3,10 +3,10 @@
 use super::*;
 use crate::stop::{brake, reckon};
 
-fn offer() -> Offer {
+fn offer() -> DecodedCommand {
     let mut plan = [Input::default(); PLAN];
     plan[..3].copy_from_slice(&[1.0, 1.5, 2.0].map(|a| Input { a, delta: 0.0 }));
-    Offer {
+    DecodedCommand {
         drives: true,
         arrival_ns: 1000 * MS,
         valid_for_ns: 200 * MS,
@@ -14,12 +14,12 @@ fn offer() -> Offer {
         plan,
         n_plan: 3,
         plan_dt: 0.05,
-        ..Offer::default()
+        ..DecodedCommand::default()
     }
 }
 
 /// The acceleration asked, and whether it is the plan's.
-fn at(offer: &Offer, age_ms: i64) -> Option<(f64, bool)> {
+fn at(offer: &DecodedCommand, age_ms: i64) -> Option<(f64, bool)> {
     offer.input_at((1000 + age_ms) * MS, 50 * MS).map(|(u, planned)| (u.a, planned))
 }
 
@@ -33,18 +33,19 @@ fn a_command_becomes_its_plan_and_then_nothing() {
     assert_eq!(at(&offer, 199), Some((2.0, true)), "its last step lasts");
     assert_eq!(at(&offer, 200), Some((2.0, true)));
     assert_eq!(at(&offer, 201), None);
-    assert_eq!(at(&Offer { drives: false, ..offer }, 0), None);
-    assert_eq!(at(&Offer { plan_dt: 0.0, ..offer }, 60), Some((1.0, true)));
-    assert_eq!(at(&Offer { n_plan: 0, ..offer }, 60), Some((0.5, true)));
+    assert_eq!(at(&DecodedCommand { drives: false, ..offer }, 0), None);
+    assert_eq!(at(&DecodedCommand { plan_dt: 0.0, ..offer }, 60), Some((1.0, true)));
+    assert_eq!(at(&DecodedCommand { n_plan: 0, ..offer }, 60), Some((0.5, true)));
     // More steps than are kept are the steps that are kept.
-    assert_eq!(Offer { n_plan: PLAN + 1, ..offer }.plan().len(), PLAN);
+    assert_eq!(DecodedCommand { n_plan: PLAN + 1, ..offer }.plan().len(), PLAN);
 }
 
 #[test]
 fn the_box_gives_way_by_a_tolerance_and_no_more() {
     let limiter = rules().limiter;
-    let within =
-        |a: f64, delta: f64| Offer { input: Input { a, delta }, ..offer() }.in_range(&limiter);
+    let within = |a: f64, delta: f64| {
+        DecodedCommand { input: Input { a, delta }, ..offer() }.in_range(&limiter)
+    };
     let plan_within = |a: f64, delta: f64| {
         let mut offer = offer();
         offer.input.a = 0.0;
@@ -64,7 +65,7 @@ fn the_box_gives_way_by_a_tolerance_and_no_more() {
 
 #[test]
 fn numbers_follow_in_a_window() {
-    let follows = |seq: i64, last: Option<i64>| Offer { seq, ..offer() }.follows(last);
+    let follows = |seq: i64, last: Option<i64>| DecodedCommand { seq, ..offer() }.follows(last);
     assert!(follows(i64::MIN, None));
     assert!(follows(6, Some(5)) && follows(105, Some(5)));
     assert!(!follows(5, Some(5)) && !follows(4, Some(5)) && !follows(106, Some(5)));
@@ -86,13 +87,13 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
     let moving = Event::State(State { v_x: 2.0, ..State::default() }, 2);
     tell(moving, 900);
     tell(moving, 1000);
-    tell(Event::Pulse(CONTROLLER), 1000);
+    tell(Event::Heartbeat(CONTROLLER), 1000);
     tell(Event::Setup(CONTROLLER, rules.setup), 1000);
     tell(Event::Published(3), 1000);
     tell(order(OrderKind::SpeedCap(1.5)), 1000);
     tell(order(OrderKind::Arm { moving: true, controller: 0 }), 1000);
     tell(order(OrderKind::Start), 1000);
-    let offer = Offer {
+    let offer = DecodedCommand {
         boot_id: CONTROLLER,
         token: 9,
         answers: Some(3),
@@ -198,8 +199,8 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     tell(still, 900);
     tell(still, 1000);
     tell(Event::Setup(CONTROLLER, rules.setup), 1000);
-    tell(Event::Pulse(OTHER), 1000);
-    tell(Event::Pulse(CONTROLLER), 1000);
+    tell(Event::Heartbeat(OTHER), 1000);
+    tell(Event::Heartbeat(CONTROLLER), 1000);
     let two = Denied::Controllers(CONTROLLER, OTHER);
     assert_eq!(tell(order(arm), 1000).1, Answer::Denied(two), "of two, none by itself");
     let chosen = |controller| order(OrderKind::Arm { moving: false, controller });
@@ -210,20 +211,20 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     let refused = Answer::Rejected(Reject::Boot);
     for (n, at_ms) in (1010..=1150).step_by(10).enumerate() {
         tell(still, at_ms);
-        let (safety, answer) = tell(Event::Pulse(OTHER), at_ms);
+        let (safety, answer) = tell(Event::Heartbeat(OTHER), at_ms);
         assert_eq!((safety.phase(), answer), (Phase::Armed, refused));
         assert_eq!(safety.counts(), Counts { old: n as i64 + 1, ..Counts::default() });
     }
     // The armed controller's are missed as without it.
-    let (safety, answer) = tell(Event::Pulse(OTHER), 1151);
-    assert_eq!((safety.phase(), safety.lapse()), (Phase::Idle, Lapse::Pulse));
+    let (safety, answer) = tell(Event::Heartbeat(OTHER), 1151);
+    assert_eq!((safety.phase(), safety.stop_reason()), (Phase::Idle, StopReason::Heartbeat));
     assert_eq!(answer, Answer::None, "in IDLE each is taken");
     tell(Event::Setup(OTHER, rules.setup), 1152);
     let arm = OrderKind::Arm { moving: false, controller: OTHER };
     assert_eq!(tell(order(arm), 1152).1, Answer::Accepted);
     assert_eq!(tell(order(OrderKind::Start), 1153).1, Answer::Accepted);
-    assert_eq!(tell(Event::Pulse(CONTROLLER), 1154).1, refused, "nor while it drives");
-    assert_eq!(tell(Event::Pulse(OTHER), 1155).1, Answer::None);
+    assert_eq!(tell(Event::Heartbeat(CONTROLLER), 1154).1, refused, "nor while it drives");
+    assert_eq!(tell(Event::Heartbeat(OTHER), 1155).1, Answer::None);
 }
 
 #[test]
@@ -246,7 +247,7 @@ fn running(rules: &Rules) -> Safety {
     for (event, at_ms) in [
         (still, 900),
         (still, 1000),
-        (Event::Pulse(CONTROLLER), 1000),
+        (Event::Heartbeat(CONTROLLER), 1000),
         (Event::Setup(CONTROLLER, rules.setup), 1000),
         (order(OrderKind::Arm { moving: false, controller: 0 }), 1000),
         (Event::Order(start), 1000),
@@ -266,14 +267,14 @@ fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
     let mut tell = |event: Event<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
-        (safety.phase(), safety.lapse(), output.answer)
+        (safety.phase(), safety.stop_reason(), output.answer)
     };
     let still = Event::State(State::default(), 2);
     assert_eq!(tell(start(false), 1010).0, Phase::Running, "said again");
-    assert_eq!(tell(start(true), 1020), (Phase::Running, Lapse::None, Answer::Accepted));
+    assert_eq!(tell(start(true), 1020), (Phase::Running, StopReason::None, Answer::Accepted));
     tell(still, 1100);
     assert_eq!(tell(still, 1120).0, Phase::Running);
-    assert_eq!(tell(still, 1121), (Phase::SafeStop, Lapse::Deadman, Answer::Accepted));
+    assert_eq!(tell(still, 1121), (Phase::SafeStop, StopReason::Deadman, Answer::Accepted));
 }
 
 #[test]
@@ -281,7 +282,7 @@ fn a_bridge_that_ends_stops_the_car_first() {
     let rules = rules();
     let safety = running(&rules);
     let ended = step(&rules, &safety, &Event::End, 1010 * MS).0;
-    assert_eq!((ended.phase(), ended.lapse()), (Phase::SafeStop, Lapse::End));
+    assert_eq!((ended.phase(), ended.stop_reason()), (Phase::SafeStop, StopReason::End));
     assert_eq!((ended.token(), ended.counts().stops), (0, 1));
     let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
     let idle = step(&rules, &ended, &Event::Tick, 1011 * MS).0;
@@ -300,7 +301,7 @@ fn a_controller_is_armed_only_with_the_bridges_own_setup() {
     rules.setup.config_id = 4;
     let mut idle = Safety::default();
     let still = Event::State(State::default(), 2);
-    for (event, at_ms) in [(still, 900), (still, 1000), (Event::Pulse(CONTROLLER), 1000)] {
+    for (event, at_ms) in [(still, 900), (still, 1000), (Event::Heartbeat(CONTROLLER), 1000)] {
         idle = step(&rules, &idle, &event, at_ms * MS).0;
     }
     let arm = OrderKind::Arm { moving: false, controller: 0 };

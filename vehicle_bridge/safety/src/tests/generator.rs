@@ -38,7 +38,7 @@ const MOODS: [Mood; 11] = [
 #[derive(Debug, Clone, Copy)]
 enum Plan {
     State,
-    Pulse,
+    Heartbeat,
     Setup,
     Published,
     End,
@@ -53,7 +53,7 @@ enum Plan {
 /// An event that owns what it says.
 pub(super) enum Said {
     /// A command, and what was done to it.
-    Command(Box<Offer>, Option<Reject>),
+    Command(Box<DecodedCommand>, Option<Reject>),
     Other(Event<'static>),
 }
 
@@ -100,7 +100,7 @@ impl Generator {
         }
         let chaos = mood == Mood::Chaos;
         if n % 3 == 0 && mood != Mood::NoPulses {
-            self.queue.push_back(Plan::Pulse);
+            self.queue.push_back(Plan::Heartbeat);
             self.queue.push_back(Plan::Setup);
         }
         let often = if mood == Mood::Chaos { 12 } else { 4 };
@@ -219,7 +219,7 @@ impl Generator {
                 };
                 Event::State(State { v_x, s, ..State::default() }, quality)
             }
-            Plan::Pulse => Event::Pulse(if odd { OTHER } else { self.sender }),
+            Plan::Heartbeat => Event::Heartbeat(if odd { OTHER } else { self.sender }),
             Plan::Setup => {
                 let mut setup = rules.setup;
                 if odd {
@@ -257,7 +257,12 @@ impl Generator {
     }
 
     /// A command, and the first reason to refuse it that was put into it.
-    fn command(&mut self, rules: &Rules, model: &Model, now: i64) -> (Offer, Option<Reject>) {
+    fn command(
+        &mut self,
+        rules: &Rules,
+        model: &Model,
+        now: i64,
+    ) -> (DecodedCommand, Option<Reject>) {
         let limiter = rules.limiter;
         let mut input = || Input {
             a: self.random.random_range(limiter.a_min..=limiter.a_max),
@@ -272,7 +277,7 @@ impl Generator {
         let seq = model.last_seq().map_or(1000, |last| last + 1 + skip);
         let arrival_ns = now - self.random.random_range(0..2) * MS;
         let valid_ms = [250, 250, 250, 70, 50][self.random.random_range(0..5)];
-        let mut offer = Offer {
+        let mut offer = DecodedCommand {
             boot_id: self.sender,
             seq,
             arrival_ns,
@@ -299,7 +304,13 @@ impl Generator {
         (offer, found)
     }
 
-    fn damage(&mut self, offer: &mut Offer, kind: u32, model: &Model, now: i64) -> Option<Reject> {
+    fn damage(
+        &mut self,
+        offer: &mut DecodedCommand,
+        kind: u32,
+        model: &Model,
+        now: i64,
+    ) -> Option<Reject> {
         let way = self.random.random_range(0..6);
         let last = offer.n_plan.saturating_sub(1);
         Some(match (kind, way) {

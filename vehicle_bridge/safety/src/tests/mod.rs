@@ -32,7 +32,7 @@ const WAYS: &str = "BOOT>IDLE BOOT>ESTOP BOOT>FAULT IDLE>ARMED IDLE>ESTOP IDLE>F
                     RUNNING>ESTOP RUNNING>FAULT SAFE_STOP>IDLE SAFE_STOP>ESTOP SAFE_STOP>FAULT \
                     FAULT>IDLE FAULT>ESTOP ESTOP>IDLE";
 /// Every end of a grant there is.
-const ENDS: &str = "ARMED:Gap ARMED:States ARMED:Pulse ARMED:Operator ARMED:Controller ARMED:Car ARMED:End \
+const ENDS: &str = "ARMED:Gap ARMED:States ARMED:Heartbeat ARMED:Operator ARMED:Controller ARMED:Car ARMED:End \
                     RUNNING:Commands RUNNING:Validity RUNNING:States RUNNING:Gap RUNNING:Deadman \
                     RUNNING:End RUNNING:Controller RUNNING:Flood RUNNING:Operator RUNNING:Car";
 const REJECTS: &str = "NotFinite Range Rate Stale Boot Sequence Token Unanswered";
@@ -176,7 +176,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             model.phase = safety.phase();
         }
         assert_eq!(safety.phase(), model.phase, "{}", context());
-        assert_eq!(safety.lapse(), model.lapse, "{}", context());
+        assert_eq!(safety.stop_reason(), model.stop_reason, "{}", context());
         assert_eq!(safety.token(), model.token, "{}", context());
         assert_eq!(safety.token() != 0, matches!(model.phase, Phase::Armed | Phase::Running));
         assert_eq!(safety.command(), model.command.map(|c| (c.boot_id, c.seq)), "{}", context());
@@ -185,7 +185,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             *seen.ways.entry(way).or_default() += 1;
         }
         if token != 0 && model.token != token {
-            let end = format!("{}:{:?}", was.name(), model.lapse);
+            let end = format!("{}:{:?}", was.name(), model.stop_reason);
             *seen.ends.entry(end).or_default() += 1;
         }
         if event == Event::Tick {

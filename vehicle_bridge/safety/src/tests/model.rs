@@ -9,11 +9,11 @@ use super::*;
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) phase: Phase,
-    pub(super) lapse: Lapse,
+    pub(super) stop_reason: StopReason,
     pub(super) token: i64,
     pub(super) counts: Counts,
     /// The command in force.
-    pub(super) command: Option<Offer>,
+    pub(super) command: Option<DecodedCommand>,
     /// Cap ordered. \[m/s\]
     pub(super) cap: Option<f64>,
     /// Last state: when, and its speed. \[ns, m/s\]
@@ -63,7 +63,7 @@ impl Model {
                 Answer::Accepted
             }
             Event::Command(offer) => self.hear(rules, offer, damage, now),
-            Event::Pulse(sender) => {
+            Event::Heartbeat(sender) => {
                 let granted = matches!(self.phase, Phase::Armed | Phase::Running);
                 if granted && *sender != self.holder {
                     self.counts.old += 1;
@@ -82,8 +82,8 @@ impl Model {
             }
             Event::End => {
                 match self.phase {
-                    Phase::Running => self.end(Phase::SafeStop, Lapse::End),
-                    Phase::Armed => self.end(Phase::Idle, Lapse::End),
+                    Phase::Running => self.end(Phase::SafeStop, StopReason::End),
+                    Phase::Armed => self.end(Phase::Idle, StopReason::End),
                     _ => {}
                 }
                 Answer::None
@@ -94,7 +94,7 @@ impl Model {
             },
             Event::CarFailed => {
                 let to = if self.phase == Phase::Estop { Phase::Estop } else { Phase::Fault };
-                self.end(to, Lapse::Car);
+                self.end(to, StopReason::Car);
                 Answer::None
             }
             Event::Tick => {
@@ -126,9 +126,9 @@ impl Model {
         self.fresh(rules, now) && self.state.is_some_and(|(_, speed)| speed < rules.still)
     }
 
-    fn end(&mut self, to: Phase, why: Lapse) {
+    fn end(&mut self, to: Phase, why: StopReason) {
         self.counts.stops += i64::from(self.phase == Phase::Running);
-        (self.phase, self.lapse, self.token) = (to, why, 0);
+        (self.phase, self.stop_reason, self.token) = (to, why, 0);
         (self.command, self.last_seq, self.held) = (None, None, None);
     }
 
@@ -148,19 +148,25 @@ impl Model {
         });
         let dead = self.command.is_some_and(|c| now - c.arrival_ns > c.valid_for_ns);
         let causes = [
-            (self.tick.is_some_and(|at| now - at > patience), Lapse::Gap),
-            (!is_state && !self.fresh(rules, now), Lapse::States),
-            (!begun && now - pulse > rules.pulse_ns, Lapse::Pulse),
-            (begun && self.held.is_some_and(|at| now - at > rules.timeout_ns), Lapse::Deadman),
-            (begun && late, Lapse::Commands),
-            (begun && dead, Lapse::Validity),
+            (self.tick.is_some_and(|at| now - at > patience), StopReason::Gap),
+            (!is_state && !self.fresh(rules, now), StopReason::States),
+            (!begun && now - pulse > rules.pulse_ns, StopReason::Heartbeat),
+            (begun && self.held.is_some_and(|at| now - at > rules.timeout_ns), StopReason::Deadman),
+            (begun && late, StopReason::Commands),
+            (begun && dead, StopReason::Validity),
         ];
         if let Some((_, why)) = causes.into_iter().find(|(is, _)| *is) {
             self.end(to, why);
         }
     }
 
-    fn hear(&mut self, rules: &Rules, offer: &Offer, damage: Option<Reject>, now: i64) -> Answer {
+    fn hear(
+        &mut self,
+        rules: &Rules,
+        offer: &DecodedCommand,
+        damage: Option<Reject>,
+        now: i64,
+    ) -> Answer {
         let (begun, count) = self.said.entry(offer.boot_id).or_insert((now, 0));
         if now - *begun >= 100 * MS {
             (*begun, *count) = (now, 0);
@@ -190,7 +196,7 @@ impl Model {
                 _ => self.counts.bad += 1,
             }
             if much && self.phase == Phase::Running && offer.boot_id == self.holder {
-                self.end(Phase::SafeStop, Lapse::Flood);
+                self.end(Phase::SafeStop, StopReason::Flood);
             }
             return Answer::Rejected(reject);
         }
@@ -198,10 +204,10 @@ impl Model {
         self.counts.lost += self.last_seq.map_or(0, |last| offer.seq - last - 1);
         self.last_seq = Some(offer.seq);
         match (self.phase, offer.estop, offer.drives) {
-            (_, true, _) => self.end(Phase::Estop, Lapse::Controller),
+            (_, true, _) => self.end(Phase::Estop, StopReason::Controller),
             (Phase::Running, _, true) => self.command = Some(*offer),
             (Phase::Running, _, false) if self.command.is_some() => {
-                self.end(Phase::SafeStop, Lapse::Controller);
+                self.end(Phase::SafeStop, StopReason::Controller);
             }
             _ => {}
         }
@@ -219,7 +225,7 @@ impl Model {
             Some(_) => None,
         };
         match order.kind {
-            Estop => self.end(Phase::Estop, Lapse::Operator),
+            Estop => self.end(Phase::Estop, StopReason::Operator),
             Reset if latched && seen.is_some() => return seen,
             Reset if latched => self.phase = Phase::Idle,
             Reset => return Some(Denied::NothingToReset),
@@ -230,9 +236,9 @@ impl Model {
             SpeedCap(cap) => self.cap = Some(cap).filter(|cap| *cap > 0.0),
             _ if latched => return Some(Denied::Latched(name)),
             Stop | Disarm if phase == Phase::Running => {
-                self.end(Phase::SafeStop, Lapse::Operator);
+                self.end(Phase::SafeStop, StopReason::Operator);
             }
-            Stop | Disarm if phase == Phase::Armed => self.end(Phase::Idle, Lapse::Operator),
+            Stop | Disarm if phase == Phase::Armed => self.end(Phase::Idle, StopReason::Operator),
             Stop | Disarm => {}
             Arm { .. } if phase == Phase::Armed => {}
             Arm { .. } if phase == Phase::Boot => return Some(Denied::NoState),
@@ -266,7 +272,8 @@ impl Model {
                 if let Some(denied) = mismatch(&setup, &rules.setup) {
                     return Some(denied);
                 }
-                (self.phase, self.token, self.lapse) = (Phase::Armed, order.fresh, Lapse::None);
+                (self.phase, self.token, self.stop_reason) =
+                    (Phase::Armed, order.fresh, StopReason::None);
                 self.holder = holder;
             }
             Start if self.token == 0 => return Some(Denied::NotArmed(name)),
@@ -279,7 +286,7 @@ impl Model {
             }
             Start if order.deadman => self.held = Some(now),
             Start if self.held.is_none() => {}
-            Start => self.end(Phase::SafeStop, Lapse::Deadman),
+            Start => self.end(Phase::SafeStop, StopReason::Deadman),
         }
         None
     }

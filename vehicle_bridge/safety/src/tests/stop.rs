@@ -29,7 +29,7 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
     let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
     for event in [
         Event::State(start, 2),
-        Event::Pulse(7),
+        Event::Heartbeat(7),
         Event::Setup(7, rules.setup),
         Event::Published(1),
         order(moving),
@@ -39,7 +39,7 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         assert!(!matches!(answer, Answer::Denied(_)), "{answer:?}");
     }
     let input = Input { a: 0.0, delta: (wheelbase * kappa).atan() };
-    let offer = Offer {
+    let offer = DecodedCommand {
         boot_id: 7,
         seq: 1,
         arrival_ns: now,
@@ -49,7 +49,7 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         drives: true,
         input,
         valid_for_ns: 10 * TICK_NS,
-        ..Offer::default()
+        ..DecodedCommand::default()
     };
     assert_eq!(tell(&mut safety, &Event::Command(&offer), now).answer, Answer::Accepted);
     let mut least = f64::INFINITY;

@@ -1,60 +1,50 @@
 //! The runs on disk: every finished run is a line of `runs.csv` before the next is waited for.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
 use super::case::Case;
 use super::drive::Run;
 use super::row::{Key, Row};
-use crate::csv_file::{append, read, replace};
+use crate::csv_file::{Folder, append, open, put_aside, replace};
 use racing::files;
 
 /// The table of the runs.
 const RUNS: &str = "runs.csv";
-/// What becomes of it when a study begins anew.
-const BEFORE: &str = "runs.before.csv";
 /// The folder of the last steps of failed runs.
 const FAILURES: &str = "failures";
 
 /// The finished runs of a matrix.
 #[derive(Debug)]
 pub struct Book {
-    folder: PathBuf,
+    folder: Folder,
     /// Runs of this matrix.
     pub rows: Vec<Row>,
-    /// Runs in the table that belong to other cells; they stay there.
-    others: Vec<Row>,
+    /// Runs in the table of other cells, settings or versions; they stay there.
+    pub others: Vec<Row>,
 }
 
 impl Book {
-    /// Opens the table in `folder`. With `resume` the runs of `keys` in it are kept, and so are
-    /// runs of other cells; a run of this matrix with other settings is dropped. Without, the
-    /// table is put aside as `runs.before.csv`.
+    /// Opens the table in `folder`. With `resume` the runs of `keys` in it count as done, and all
+    /// others stay in the table. Without, the table is put aside as `runs.before.csv`.
     ///
     /// # Errors
-    /// If the folder cannot be read or written.
+    /// If the folder cannot be read or written, another study writes to it, or the table has a line
+    /// that is no row; only a torn last line is dropped.
     pub fn open(folder: &Path, keys: &[Key], resume: bool) -> Result<Self> {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let path = folder.join(RUNS);
-        if !resume && path.exists() {
-            fs::rename(&path, folder.join(BEFORE))
-                .with_context(|| format!("cannot put {} aside", path.display()))?;
+        let folder = Folder::lock(folder)?;
+        let path = folder.file(RUNS);
+        if !resume {
+            put_aside(&path)?;
         }
         let mut wanted: Vec<&Key> = keys.iter().collect();
         wanted.sort();
-        let all: Vec<Row> = read(&path)?;
-        let (rows, others): (Vec<Row>, Vec<Row>) =
-            all.into_iter().partition(|row| wanted.binary_search(&&row.key()).is_ok());
-        let others = others
+        let (rows, others): (Vec<Row>, Vec<Row>) = open::<Row>(&path)?
             .into_iter()
-            .filter(|row| !keys.iter().any(|key| key.is_same_run(&row.key())))
-            .collect();
-        let book = Self { folder: folder.to_owned(), rows, others };
-        book.rewrite()?;
-        Ok(book)
+            .partition(|row| wanted.binary_search(&&row.key()).is_ok());
+        Ok(Self { folder, rows, others })
     }
 
     /// Adds a finished run of a case. One that failed leaves its last steps, and its track if
@@ -66,13 +56,13 @@ impl Book {
         if run.row.failed() {
             self.keep_failure(&run, case)?;
         }
-        append(&self.folder.join(RUNS), std::slice::from_ref(&run.row))?;
+        append(&self.folder.file(RUNS), std::slice::from_ref(&run.row))?;
         self.rows.push(run.row);
         Ok(())
     }
 
     fn keep_failure(&self, run: &Run, case: &Case) -> Result<()> {
-        let folder = self.folder.join(FAILURES);
+        let folder = self.folder.file(FAILURES);
         let failed = |path: &Path| format!("cannot write {}", path.display());
         fs::create_dir_all(&folder).with_context(|| failed(&folder))?;
         if !run.last_steps.is_empty() {
@@ -114,7 +104,7 @@ impl Book {
 
     fn rewrite(&self) -> Result<()> {
         let all: Vec<&Row> = self.rows.iter().chain(&self.others).collect();
-        replace(&self.folder.join(RUNS), &all)
+        replace(&self.folder.file(RUNS), &all)
     }
 }
 
@@ -166,6 +156,7 @@ mod tests {
         fs::write(&path, torn).unwrap();
 
         let keys = [one.clone(), key("l", 1, "b"), key("l", 2, "b")];
+        drop(book);
         let mut book = Book::open(folder.path(), &keys, true).unwrap();
         assert_eq!(book.rows, [run(&one).row]);
         book.add(run(&keys[2]), &case(&keys[2])).unwrap();
@@ -173,10 +164,21 @@ mod tests {
         book.rate(&[case(&keys[0])]);
         assert_eq!(book.rows[0].ratio, Some(1.3), "measured against what is known now");
         book.sort(&keys).unwrap();
-        let rows: Vec<Key> = read::<Row>(&path).unwrap().iter().map(Row::key).collect();
-        assert_eq!(rows, [&keys[..], &[other]].concat(), "other cells stay in the table");
+        drop(book);
+        let text = fs::read_to_string(&path).unwrap();
+        let rows: Vec<Key> = open::<Row>(&path).unwrap().iter().map(Row::key).collect();
+        let kept = [&keys[..], &[other, two]].concat();
+        assert_eq!(rows, kept, "other cells and other settings stay in the table");
+
+        // A line in the middle that is no row stops the study, and the table stays as it is.
+        let broken = text.replacen("\nbarc,", "\nbarc;", 1);
+        fs::write(&path, &broken).unwrap();
+        let error = Book::open(folder.path(), &keys, true).unwrap_err().to_string();
+        assert!(error.contains("runs.csv, line 2: "), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), broken);
 
         let book = Book::open(folder.path(), &keys, false).unwrap();
-        assert!(book.rows.is_empty() && folder.path().join(BEFORE).exists());
+        assert!(book.rows.is_empty());
+        assert_eq!(fs::read_to_string(folder.path().join("runs.before.csv")).unwrap(), broken);
     }
 }

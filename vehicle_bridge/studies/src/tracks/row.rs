@@ -17,15 +17,6 @@ pub struct Key {
     pub settings: String,
 }
 
-impl Key {
-    /// Whether this is the same run, perhaps with other settings.
-    #[must_use]
-    pub fn is_same_run(&self, other: &Self) -> bool {
-        (&self.car, &self.track, &self.plant, self.seed)
-            == (&other.car, &other.track, &other.plant, other.seed)
-    }
-}
-
 /// One run. A column without a value is empty.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Row {

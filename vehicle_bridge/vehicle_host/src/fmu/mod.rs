@@ -21,7 +21,7 @@ pub use error::FmuError;
 pub use guess::{is_ours, map_of_ours, propose};
 use map::{Entry, Frame, Map, input_quantities, state_quantities};
 use slave::row;
-pub use slave::{Slave, Value, Variable};
+pub use slave::{CoSimInstance, Value, Variable};
 use units::Dimension;
 
 /// Communication steps are cut so that none is longer than the map's, give or take this share.
@@ -60,7 +60,7 @@ struct Group {
 
 impl Group {
     fn new(
-        slave: &Slave,
+        slave: &CoSimInstance,
         table: &std::collections::BTreeMap<String, Entry>,
         quantities: &[(&str, Dimension)],
     ) -> Result<Self, FmuError> {
@@ -79,7 +79,7 @@ impl Group {
         Ok(group)
     }
 
-    fn read(&mut self, slave: &mut Slave) -> Result<(), FmuError> {
+    fn read(&mut self, slave: &mut CoSimInstance) -> Result<(), FmuError> {
         slave.numbers(&self.variables, &mut self.values)?;
         for (value, (factor, offset)) in self.values.iter_mut().zip(&self.conversions) {
             *value = factor * *value + offset;
@@ -87,7 +87,7 @@ impl Group {
         Ok(())
     }
 
-    fn write(&mut self, slave: &mut Slave, ours: &[f64]) -> Result<(), FmuError> {
+    fn write(&mut self, slave: &mut CoSimInstance, ours: &[f64]) -> Result<(), FmuError> {
         for ((value, ours), (factor, offset)) in
             self.values.iter_mut().zip(ours).zip(&self.conversions)
         {
@@ -99,7 +99,7 @@ impl Group {
 
 /// A vehicle FMU on a track.
 pub struct FmuVehicle {
-    slave: Slave,
+    slave: CoSimInstance,
     name: String,
     frame: Frame,
     step: Option<f64>,
@@ -122,7 +122,7 @@ impl FmuVehicle {
     /// # Errors
     /// [`FmuError`] if FMU and map do not fit, or the FMU refuses.
     pub fn new(options: FmuOptions) -> Result<Self, FmuError> {
-        let mut slave = Slave::open(&options.file, options.preload.as_deref())?;
+        let mut slave = CoSimInstance::open(&options.file, options.preload.as_deref())?;
         let map = match options.map.clone() {
             Some(map) => map,
             None => map_of_ours(slave.inspection()).ok_or_else(|| {

@@ -45,16 +45,16 @@ enum Instance {
 }
 
 /// An instance of a co-simulation FMU; its files are in a folder that goes with it.
-pub struct Slave {
+pub struct CoSimInstance {
     instance: Instance,
     inspection: Inspection,
     path: PathBuf,
 }
 
 // SAFETY: FMI lets any thread call an instance, one at a time; `&mut self` sees to that.
-unsafe impl Send for Slave {}
+unsafe impl Send for CoSimInstance {}
 
-impl Slave {
+impl CoSimInstance {
     /// Unpacks and instantiates an FMU. `preload` is a library its own needs and does not name;
     /// that of a PythonFMU is looked for.
     ///

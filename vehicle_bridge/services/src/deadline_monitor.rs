@@ -8,7 +8,7 @@ const IN_ROW: u32 = 3;
 
 /// The work so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Effort {
+pub struct DeadlineMonitor {
     /// States answered by a step of the controller. \[-\]
     pub steps: u64,
     /// Longest time from a state's arrival to its command. \[s\]
@@ -19,7 +19,7 @@ pub struct Effort {
     stops: u32,
 }
 
-impl Effort {
+impl DeadlineMonitor {
     /// Counts a step, which took longer than a period if `over`; true if the car is to be stopped
     /// for it.
     pub(super) fn step(&mut self, over: bool) -> bool {
@@ -81,15 +81,16 @@ mod tests {
 
     #[test]
     fn three_steps_in_a_row_that_are_too_long_stop_the_car_once() {
-        let mut effort = Effort::default();
-        let stops: Vec<bool> =
-            [true, true, false, true, true, true, true, false].map(|over| effort.step(over)).into();
+        let mut monitor = DeadlineMonitor::default();
+        let stops: Vec<bool> = [true, true, false, true, true, true, true, false]
+            .map(|over| monitor.step(over))
+            .into();
         assert_eq!(stops, [false, false, false, false, false, true, false, false]);
-        assert_eq!((effort.steps, effort.overruns), (8, 6));
+        assert_eq!((monitor.steps, monitor.overruns), (8, 6));
         assert_eq!(
-            effort.complaint().unwrap_or_default(),
+            monitor.complaint().unwrap_or_default(),
             "6 steps took longer than a period, 1 stops for 3 in a row"
         );
-        assert_eq!(Effort::default().complaint(), None);
+        assert_eq!(DeadlineMonitor::default().complaint(), None);
     }
 }

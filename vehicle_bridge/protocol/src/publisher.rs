@@ -40,7 +40,7 @@ pub fn random() -> i64 {
 }
 
 /// One channel to publish on. Numbers start at 0 and grow by one.
-pub struct Outlet {
+pub struct Publisher {
     network: Arc<dyn Transport>,
     identity: Identity,
     channel: String,
@@ -48,7 +48,7 @@ pub struct Outlet {
     bytes: Vec<u8>,
 }
 
-impl Outlet {
+impl Publisher {
     /// To `channel`.
     #[must_use]
     pub fn new(network: &Arc<dyn Transport>, identity: &Identity, channel: &str) -> Self {
@@ -87,7 +87,7 @@ impl Outlet {
     /// Sends a message without a checksum.
     ///
     /// # Errors
-    /// As [`Outlet::send_sealed`].
+    /// As [`Publisher::send_sealed`].
     pub fn send(&mut self, message: &impl Message) -> anyhow::Result<()> {
         self.seq += 1;
         message.encode_into(&mut self.bytes)?;

@@ -4,7 +4,7 @@ use super::doubt::Suspicion;
 
 /// What made the core leave RUNNING or ARMED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
-pub enum Lapse {
+pub enum StopReason {
     /// Nothing.
     #[default]
     #[error("")]
@@ -32,7 +32,7 @@ pub enum Lapse {
     Flood,
     /// The controller's heartbeats ended.
     #[error("no heartbeat of the controller")]
-    Pulse,
+    Heartbeat,
     /// The operator.
     #[error("the operator's order")]
     Operator,

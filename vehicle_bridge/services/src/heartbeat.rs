@@ -9,8 +9,8 @@ use lcm_types::{Heartbeat, Setup, Track, channels};
 
 use hosting::memory::resident_mb;
 use hosting::worker::Worker;
-use protocol::guard::Counts;
-use protocol::outlet::{Identity, Outlet};
+use protocol::publisher::{Identity, Publisher};
+use protocol::stream_filter::Counts;
 use transport::Transport;
 
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -40,12 +40,12 @@ pub struct Place {
 }
 
 /// The sending thread; ends when dropped.
-pub struct Pulse<D = String> {
+pub struct HeartbeatSender<D = String> {
     health: Arc<Mutex<Health<D>>>,
     _worker: Worker,
 }
 
-impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
+impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
     /// Begins to send on `HB/<name>`, and `place`, if there is one, on `MAP/TRACK` and `LMPC/SETUP`.
     ///
     /// # Errors
@@ -57,13 +57,15 @@ impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
         place: Option<Place>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health<D>>> = Arc::default();
-        let outlet = Outlet::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
+        let publisher =
+            Publisher::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
         let place = place.map(|place| {
-            let outlet = |channel: &str| Outlet::new(network, identity, channel);
-            (outlet(channels::TRACK), outlet(channels::SETUP), place)
+            let publisher = |channel: &str| Publisher::new(network, identity, channel);
+            (publisher(channels::TRACK), publisher(channels::SETUP), place)
         });
         let seen = Arc::clone(&health);
-        let worker = Worker::start("lmpc-pulse", move |stop| beat(outlet, place, &seen, stop))?;
+        let worker =
+            Worker::start("lmpc-heartbeat", move |stop| beat(publisher, place, &seen, stop))?;
         Ok(Self { health, _worker: worker })
     }
 
@@ -74,8 +76,8 @@ impl<D: Display + Clone + Default + Send + 'static> Pulse<D> {
 }
 
 fn beat<D: Display + Clone>(
-    mut outlet: Outlet,
-    mut place: Option<(Outlet, Outlet, Place)>,
+    mut publisher: Publisher,
+    mut place: Option<(Publisher, Publisher, Place)>,
     health: &Mutex<Health<D>>,
     stop: &AtomicBool,
 ) {
@@ -94,7 +96,7 @@ fn beat<D: Display + Clone>(
         // Writing to a String cannot fail.
         let _ = write!(words, "{detail}");
         message = Heartbeat {
-            h: outlet.header(),
+            h: publisher.header(),
             state,
             arm_token,
             uptime_s: begun.elapsed().as_secs_f64(),
@@ -108,7 +110,7 @@ fn beat<D: Display + Clone>(
             ..message
         };
         // Errors are ignored: the receiver detects a missing heartbeat itself.
-        let _ = outlet.send(&message);
+        let _ = publisher.send(&message);
         if let Some((tracks, setups, place)) = place.as_mut().filter(|_| count % PLACE_EVERY == 0) {
             (place.track.h, place.setup.h) = (tracks.header(), setups.header());
             // Sent again in a second.
@@ -169,12 +171,13 @@ mod tests {
     fn words_are_made_for_what_is_sent_and_not_at_every_tick() {
         let (ear, made) = (Arc::new(Ear::default()), Arc::new(AtomicUsize::new(0)));
         let network: Arc<dyn Transport> = Arc::<Ear>::clone(&ear);
-        let pulse = Pulse::start(&network, &Identity::new("test"), "test", None).unwrap();
+        let heartbeat =
+            HeartbeatSender::start(&network, &Identity::new("test"), "test", None).unwrap();
         for tick in (0..40).map(|n| 1000 - n) {
-            pulse.update(|health| health.detail = Words(tick, Arc::clone(&made)));
+            heartbeat.update(|health| health.detail = Words(tick, Arc::clone(&made)));
             std::thread::sleep(Duration::from_millis(10));
         }
-        drop(pulse);
+        drop(heartbeat);
         let said: Vec<_> = ear.0.lock().unwrap().drain(..).map(|beat| beat.detail).collect();
         // The first heartbeat may come before the first tick.
         let mut made = made.load(Ordering::Relaxed);

@@ -8,7 +8,7 @@ const WINDOW: i64 = 100;
 
 /// Why a message is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refusal {
+pub enum RejectReason {
     /// Malformed, another type, failed checksum, or values that cannot be.
     Bad,
     /// Repeated, out of order, or from a sender that is not the one listened to.
@@ -22,11 +22,11 @@ pub enum Refusal {
 pub struct Counts {
     /// Accepted. \[-\]
     pub ok: i64,
-    /// Refused as [`Refusal::Bad`]. \[-\]
+    /// Refused as [`RejectReason::Bad`]. \[-\]
     pub bad: i64,
-    /// Refused as [`Refusal::Old`]. \[-\]
+    /// Refused as [`RejectReason::Old`]. \[-\]
     pub old: i64,
-    /// Refused as [`Refusal::Stale`]. \[-\]
+    /// Refused as [`RejectReason::Stale`]. \[-\]
     pub stale: i64,
     /// Missing by the numbers. \[-\]
     pub lost: i64,
@@ -34,7 +34,7 @@ pub struct Counts {
 
 /// One stream: a channel with one sender.
 #[derive(Debug, Clone)]
-pub struct Guard {
+pub struct StreamFilter {
     /// Oldest message accepted. \[ns\]
     pub max_age_ns: i64,
     /// A new sender, or a sender started again, is believed after this silence. Only where there is
@@ -63,7 +63,7 @@ pub struct Accepted<M> {
     pub fresh_start: bool,
 }
 
-impl Guard {
+impl StreamFilter {
     /// Listens to whoever speaks first.
     #[must_use]
     pub fn new(max_age_ns: i64, silence_ns: i64, host: &str) -> Self {
@@ -81,13 +81,13 @@ impl Guard {
         (arrival_ns, now_ns): (i64, i64),
         header: impl Fn(&M) -> &Header,
         sane: impl Fn(&M) -> bool,
-    ) -> Result<Accepted<M>, Refusal> {
+    ) -> Result<Accepted<M>, RejectReason> {
         let checked = self.examine(bytes, arrival_ns, now_ns, header, sane);
         match checked {
             Ok(_) => self.counts.ok += 1,
-            Err(Refusal::Bad) => self.counts.bad += 1,
-            Err(Refusal::Old) => self.counts.old += 1,
-            Err(Refusal::Stale) => self.counts.stale += 1,
+            Err(RejectReason::Bad) => self.counts.bad += 1,
+            Err(RejectReason::Old) => self.counts.old += 1,
+            Err(RejectReason::Stale) => self.counts.stale += 1,
         }
         checked
     }
@@ -99,17 +99,17 @@ impl Guard {
         now_ns: i64,
         header: impl Fn(&M) -> &Header,
         sane: impl Fn(&M) -> bool,
-    ) -> Result<Accepted<M>, Refusal> {
-        let message = M::open(bytes).map_err(|_| Refusal::Bad)?;
+    ) -> Result<Accepted<M>, RejectReason> {
+        let message = M::open(bytes).map_err(|_| RejectReason::Bad)?;
         if !sane(&message) {
-            return Err(Refusal::Bad);
+            return Err(RejectReason::Bad);
         }
         let h = header(&message);
         let local = h.sender.rsplit('@').next() == Some(self.host.as_str());
         // Another host's clock says nothing here: then the arrival has to do.
         let since = if local { h.mono_ns.min(arrival_ns) } else { arrival_ns };
         if now_ns.saturating_sub(since) > self.max_age_ns {
-            return Err(Refusal::Stale);
+            return Err(RejectReason::Stale);
         }
         let fresh_start = match self.last {
             None => true,
@@ -118,7 +118,7 @@ impl Guard {
                     && (last.seq + 1..=last.seq + WINDOW).contains(&h.seq);
                 let silent = arrival_ns.saturating_sub(last.arrival_ns) > self.silence_ns;
                 if !next && !silent {
-                    return Err(Refusal::Old);
+                    return Err(RejectReason::Old);
                 }
                 if next {
                     self.counts.lost += h.seq - last.seq - 1;
@@ -138,8 +138,8 @@ mod tests {
 
     const MS: i64 = 1_000_000;
 
-    fn guard() -> Guard {
-        Guard::new(100 * MS, 1000 * MS, "here")
+    fn filter() -> StreamFilter {
+        StreamFilter::new(100 * MS, 1000 * MS, "here")
     }
 
     fn bytes(boot_id: i64, seq: i64, mono_ns: i64, sender: &str) -> Vec<u8> {
@@ -150,52 +150,55 @@ mod tests {
         bytes
     }
 
-    fn at(guard: &mut Guard, bytes: &[u8], now: i64) -> Result<bool, Refusal> {
+    fn at(filter: &mut StreamFilter, bytes: &[u8], now: i64) -> Result<bool, RejectReason> {
         let sane = |state: &VehicleState| state.vx.is_finite();
-        let checked = guard.check(bytes, (now, now), |state: &VehicleState| &state.h, sane);
+        let checked = filter.check(bytes, (now, now), |state: &VehicleState| &state.h, sane);
         checked.map(|accepted| accepted.fresh_start)
     }
 
     #[test]
     fn repeated_swapped_and_replayed_messages_are_old() {
-        let mut guard = guard();
-        let mut say = |seq| at(&mut guard, &bytes(7, seq, 0, "car@there"), 0);
+        let mut filter = filter();
+        let mut say = |seq| at(&mut filter, &bytes(7, seq, 0, "car@there"), 0);
         assert_eq!(say(5), Ok(true));
-        assert_eq!((say(5), say(6), say(8)), (Err(Refusal::Old), Ok(false), Ok(false)));
+        assert_eq!((say(5), say(6), say(8)), (Err(RejectReason::Old), Ok(false), Ok(false)));
         assert_eq!(
             (say(7), say(6), say(500)),
-            (Err(Refusal::Old), Err(Refusal::Old), Err(Refusal::Old))
+            (Err(RejectReason::Old), Err(RejectReason::Old), Err(RejectReason::Old))
         );
         let expected = Counts { ok: 3, old: 4, lost: 1, ..Counts::default() };
-        assert_eq!(guard.counts, expected);
+        assert_eq!(filter.counts, expected);
     }
 
     #[test]
     fn a_second_sender_is_refused_until_the_first_is_silent() {
-        let mut guard = guard();
-        assert_eq!(at(&mut guard, &bytes(7, 0, 0, "car@there"), 0), Ok(true));
-        assert_eq!(at(&mut guard, &bytes(8, 0, 0, "car@there"), 900 * MS), Err(Refusal::Old));
-        assert_eq!(at(&mut guard, &bytes(8, 1, 0, "car@there"), 1100 * MS), Ok(true));
-        assert_eq!(at(&mut guard, &bytes(7, 1, 0, "car@there"), 1200 * MS), Err(Refusal::Old));
+        let mut filter = filter();
+        assert_eq!(at(&mut filter, &bytes(7, 0, 0, "car@there"), 0), Ok(true));
+        assert_eq!(at(&mut filter, &bytes(8, 0, 0, "car@there"), 900 * MS), Err(RejectReason::Old));
+        assert_eq!(at(&mut filter, &bytes(8, 1, 0, "car@there"), 1100 * MS), Ok(true));
+        assert_eq!(
+            at(&mut filter, &bytes(7, 1, 0, "car@there"), 1200 * MS),
+            Err(RejectReason::Old)
+        );
     }
 
     #[test]
     fn only_this_hosts_clock_tells_the_age() {
-        let mut guard = guard();
+        let mut filter = filter();
         let late = bytes(7, 0, 0, "car@here");
-        assert_eq!(at(&mut guard, &late, 300 * MS), Err(Refusal::Stale));
-        assert_eq!(at(&mut guard, &bytes(7, 0, 0, "car@there"), 300 * MS), Ok(true));
+        assert_eq!(at(&mut filter, &late, 300 * MS), Err(RejectReason::Stale));
+        assert_eq!(at(&mut filter, &bytes(7, 0, 0, "car@there"), 300 * MS), Ok(true));
     }
 
     #[test]
     fn a_flipped_bit_is_bad_wherever_it_is() {
-        let mut guard = guard();
+        let mut filter = filter();
         let good = bytes(7, 0, 0, "car@there");
         for bit in 0..8 * good.len() {
             let mut flipped = good.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
-            assert_eq!(at(&mut guard, &flipped, 0), Err(Refusal::Bad), "bit {bit}");
+            assert_eq!(at(&mut filter, &flipped, 0), Err(RejectReason::Bad), "bit {bit}");
         }
-        assert_eq!(at(&mut guard, &good, 0), Ok(true));
+        assert_eq!(at(&mut filter, &good, 0), Ok(true));
     }
 }

@@ -29,12 +29,12 @@ struct Operator {
 /// idempotent: one that is repeated or out of order, or sent again after another operator's command, does
 /// not take effect a second time.
 #[derive(Debug, Clone)]
-pub struct Orders {
+pub struct OperatorInbox {
     host: String,
     operators: Vec<Operator>,
 }
 
-impl Orders {
+impl OperatorInbox {
     /// For a program on `host`.
     #[must_use]
     pub fn new(host: &str) -> Self {
@@ -96,7 +96,7 @@ mod tests {
 
     const MS: i64 = 1_000_000;
 
-    struct Desk(Orders);
+    struct Desk(OperatorInbox);
 
     impl Desk {
         fn say(&mut self, boot_id: i64, seq: i64, command: i8, request: i64) -> Option<Heard> {
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_second_operator_is_obeyed_straight_after_the_first() {
-        let mut desk = Desk(Orders::new("here"));
+        let mut desk = Desk(OperatorInbox::new("here"));
         assert!(is_new(desk.say(1, 0, START, 10).as_ref()));
         assert!(is_new(desk.say(2, 0, STOP, 20).as_ref()));
         // The first still repeats itself: that order is answered, not obeyed a second time.
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn what_is_repeated_swapped_or_late_is_not_obeyed_but_an_emergency_stop() {
-        let mut desk = Desk(Orders::new("here"));
+        let mut desk = Desk(OperatorInbox::new("here"));
         assert!(is_new(desk.say(1, 5, START, 10).as_ref()));
         assert_eq!(desk.say(1, 5, START, 10), None);
         assert_eq!(desk.say(1, 4, START, 9), None);
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn many_operators_take_a_bounded_room() {
-        let mut desk = Desk(Orders::new("here"));
+        let mut desk = Desk(OperatorInbox::new("here"));
         for boot in 0..1000 {
             assert!(is_new(desk.at(boot, 0, START, boot, boot).as_ref()));
         }

@@ -1,0 +1,76 @@
+//! The JSON schema of configuration files, from the table of keys.
+
+use controller::Preset;
+use controller::config::SECTIONS;
+use controller::config::keys::{Choice, Derivation, Key, Kind};
+use serde_json::{Map, Value as Json, json};
+
+/// The schema, in the draft that editors of TOML files read.
+pub(super) fn schema() -> Json {
+    let mut properties = Map::new();
+    properties.insert("preset".to_owned(), words(Preset::CHOICES, "The set of defaults."));
+    for section in SECTIONS {
+        let keys: Map<String, Json> =
+            section.keys.iter().map(|key| (key.name.to_owned(), of_key(key))).collect();
+        let table = json!({
+            "type": "object", "description": section.about(), "additionalProperties": false,
+            "properties": keys,
+        });
+        properties.insert(section.name.to_owned(), table);
+    }
+    json!({
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "Configuration of the racing LMPC",
+        "type": "object",
+        "additionalProperties": false,
+        "properties": properties,
+    })
+}
+
+fn of_key(key: &Key) -> Json {
+    let mut description = key.meaning().to_owned();
+    if !key.unit.is_empty() {
+        description += &format!(" [{}]", key.unit);
+    }
+    match key.derivation {
+        Derivation::Preset => {}
+        Derivation::Car(rule) => description += &format!(" By default from the car: {rule}."),
+        Derivation::CarAndTrack(rule) => {
+            description += &format!(" By default from car and track: {rule}.");
+        }
+    }
+    let mut number = Map::new();
+    if let Some([least, most]) = key.range {
+        number.insert("minimum".to_owned(), json!(least));
+        number.insert("maximum".to_owned(), json!(most));
+    }
+    let mut typed = |kind: &str| {
+        number.insert("type".to_owned(), json!(kind));
+        Json::Object(std::mem::take(&mut number))
+    };
+    let mut schema = match key.kind {
+        Kind::Count => typed("integer"),
+        Kind::Number => typed("number"),
+        Kind::Switch => json!({ "type": "boolean" }),
+        Kind::Choice(choices) => words(choices, ""),
+        Kind::Numbers(labels) => json!({
+            "type": "array", "items": typed("number"),
+            "minItems": labels.len(), "maxItems": labels.len(),
+        }),
+    };
+    if let Kind::Numbers(labels) = key.kind {
+        description += &format!(" Entries: {}.", labels.join(", "));
+    }
+    if let Kind::Choice(choices) = key.kind {
+        for choice in choices {
+            description += &format!(" {}: {}", choice.word, choice.meaning());
+        }
+    }
+    schema["description"] = json!(description);
+    schema
+}
+
+fn words(choices: &[Choice], description: &str) -> Json {
+    let words: Vec<&str> = choices.iter().map(|choice| choice.word).collect();
+    json!({ "type": "string", "enum": words, "description": description })
+}
