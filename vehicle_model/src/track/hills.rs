@@ -31,7 +31,7 @@ pub(super) fn with_heights(
         .into_iter()
         .map(|(s, rise)| Station {
             s: track.wrap(s),
-            slope: Some(libm::atan(rise)),
+            slope: Some(written(libm::atan(rise))),
             ..Station::default()
         })
         .collect();
@@ -40,4 +40,9 @@ pub(super) fn with_heights(
     }
     let track = imported.track.clone().with_stations(&stations).map_err(|error| vec![error])?;
     Ok(Imported { track, ..imported })
+}
+
+/// The angle as our own format writes it: a short number of degrees, to the last bit \[rad\].
+fn written(angle: f64) -> f64 {
+    ((angle.to_degrees() * 1e6).round() / 1e6).to_radians()
 }
