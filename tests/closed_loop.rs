@@ -90,7 +90,16 @@ fn two_runs_give_the_same_bits() {
 
 #[test]
 fn learned_data_drive_from_standstill() {
-    let mut teacher = Drive::new(seeded(Preset::Race, 4));
+    let mut ratios: Vec<f64> = (0..9).map(pupil_over_teacher).collect();
+    ratios.sort_by(f64::total_cmp);
+    assert!(ratios[4] < 1.0, "{ratios:?}");
+    assert!(ratios[8] < 1.06, "{ratios:?}");
+}
+
+/// The second lap of a controller that begins with what another learned in five, as a share of that
+/// one's last.
+fn pupil_over_teacher(seed: u64) -> f64 {
+    let mut teacher = Drive::new(seeded(Preset::Race, seed));
     teacher.until(LapKind::Learning, 5);
     let saved = teacher.controller.save();
 
@@ -105,6 +114,5 @@ fn learned_data_drive_from_standstill() {
     assert_eq!(pupil.of_kind(LapKind::Warmup).count(), 0, "it need not learn from slow laps again");
     assert!(pupil.laps.iter().all(|lap| lap.valid), "{:?}", pupil.laps);
     assert!(pupil.widest <= HALF_WIDTH);
-    let (taught, times) = (teacher.lap_times(), pupil.lap_times());
-    assert!(times[1] < 1.06 * taught[4], "{times:?} after {taught:?}");
+    pupil.lap_times()[1] / teacher.lap_times()[4]
 }

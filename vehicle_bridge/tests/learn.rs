@@ -211,8 +211,9 @@ fn first_lap_after(speed: f64) {
     for more in [&[][..], &["--inputs", "reckoned"]] {
         let (account, times) = learn_and_race(folder.path(), &log, more);
         assert!(account.contains("20 of 20 laps taken"), "{account}");
-        // The first lap begins at standstill and may lose its time in a swerve there.
-        assert!(times[1] < best(&rows), "{times:?} after {}", best(&rows));
+        // After faster laps the car may swerve at the start, and lose the first lap's time in it.
+        let faster = if speed < 2.5 { times[0] } else { times[1] };
+        assert!(faster < best(&rows), "{times:?} after {}", best(&rows));
         assert!(times[2] < times[0], "{times:?}");
     }
 }

@@ -18,7 +18,8 @@ use transport::{Filter, Inbox, Transport};
 mod common;
 
 const PATIENCE: Duration = Duration::from_secs(60);
-const STEPS: &str = "1500";
+/// Enough for a storm of half a second and more on a fast machine.
+const STEPS: &str = "6000";
 /// Messages per second of the storm.
 const RATE: f64 = 20_000.0;
 

@@ -136,6 +136,20 @@ impl Discretized {
         (substeps, h)
     }
 
+    /// The Runge-Kutta steps of one control step, of a system that does not depend on time.
+    #[inline(always)]
+    fn integrate<T: Number, const N: usize>(
+        &self,
+        mut x: [T; N],
+        system: &impl Rates<T, N>,
+    ) -> [T; N] {
+        let (substeps, h) = self.grid();
+        for _ in 0..substeps {
+            x = runge_kutta_4(&x, h, system);
+        }
+        x
+    }
+
     /// `HILLS`: the road is known not to be flat, unless the model is kinematic.
     #[inline(always)]
     fn step<T: Number, const HILLS: bool>(
@@ -147,15 +161,8 @@ impl Discretized {
     ) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
-            ModelKind::Dynamic => {
-                let (substeps, h) = self.grid();
-                let system = Dynamics::<T, HILLS> { model: &self.model, held: &u, grip, road };
-                let mut x = *x;
-                for _ in 0..substeps {
-                    x = runge_kutta_4(&x, h, &system);
-                }
-                x
-            }
+            ModelKind::Dynamic => self
+                .integrate(*x, &Dynamics::<T, HILLS> { model: &self.model, held: &u, grip, road }),
             ModelKind::Kinematic => self.kinematic_step(x, &u, road),
         }
     }
@@ -216,9 +223,7 @@ impl<T: Number, const HILLS: bool> Rates<T, NX> for Dynamics<'_, T, HILLS> {
         } else {
             model.rates_along(x, held, *road, grip)
         };
-        for (i, rate) in rates.into_iter().enumerate() {
-            stage.take(i, rate);
-        }
+        stage.take_all(rates);
     }
 }
 
@@ -231,9 +236,7 @@ pub(crate) trait Rates<T, const N: usize> {
 impl<T: Number, const N: usize, F: Fn(&[T; N], f64) -> [T; N]> Rates<T, N> for F {
     #[inline(always)]
     fn rates(&self, x: &[T; N], t: f64, stage: &mut Stage<T, N>) {
-        for (i, rate) in self(x, t).into_iter().enumerate() {
-            stage.take(i, rate);
-        }
+        stage.take_all(self(x, t));
     }
 }
 
@@ -256,6 +259,14 @@ impl<T: Number, const N: usize> Stage<'_, T, N> {
     pub(crate) fn take(&mut self, i: usize, rate: T) {
         self.next[i] = self.next[i] + rate * self.part;
         self.ahead[i] = self.x[i] + rate * self.reach;
+    }
+
+    /// Takes the rates of all quantities.
+    #[inline(always)]
+    pub(crate) fn take_all(&mut self, rates: [T; N]) {
+        for (i, rate) in rates.into_iter().enumerate() {
+            self.take(i, rate);
+        }
     }
 }
 

@@ -37,7 +37,7 @@ pub struct Key {
     pub section: &'static str,
     /// Name within the section.
     pub name: &'static str,
-    /// Symbol in the paper; empty if there is none.
+    /// Symbol in the paper; empty if the paper gives it no symbol.
     pub symbol: &'static str,
     /// Unit; empty for words, switches, counts and numbers without one.
     pub unit: &'static str,
@@ -267,12 +267,18 @@ macro_rules! choice {
             pub const CHOICES: &[$crate::config::keys::Choice] = &[
                 $($crate::config::keys::Choice { word: $word, meaning: concat!($($doc),*) }),*
             ];
+
+            /// The word, as in a configuration file.
+            #[must_use]
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word,)* }
+            }
         }
 
         impl $crate::config::keys::Setting for $name {
             const KIND: $crate::config::keys::Kind = $crate::config::keys::Kind::Choice(Self::CHOICES);
             fn value(&self) -> $crate::config::keys::Value<'_> {
-                $crate::config::keys::Value::Word(match self { $(Self::$variant => $word,)* })
+                $crate::config::keys::Value::Word(self.word())
             }
         }
     };

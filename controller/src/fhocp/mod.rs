@@ -169,9 +169,6 @@ impl Fhocp {
         u: &Vector2<f64>,
         before: &Vector2<f64>,
     ) -> Vector6<f64> {
-        if self.lag == 0.0 {
-            return self.model[t].apply(x, u);
-        }
         self.model[t].apply(x, &(u * (1.0 - self.lag) + before * self.lag))
     }
 

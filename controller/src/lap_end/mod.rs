@@ -282,7 +282,8 @@ impl Controller {
         let Setup { car, config, track, .. } = &self.setup;
         let work = &self.memory.lap_end;
         let laps = &self.memory.dataset.laps[..work.learned];
-        let known = |miss: &&NearMiss| miss.lap < laps.len() && miss.lap + REMEMBERED >= laps.len();
+        // Of a state that was read in the midst of learning, those of later laps are not yet in force.
+        let known = |miss: &&NearMiss| miss.lap < laps.len();
         let misses: Vec<NearMiss> = work.misses.iter().filter(known).copied().collect();
         let misses = (&misses[..], laps.len());
         let chosen = self.memory.selected.iter().map(|&i| &*laps[i]);

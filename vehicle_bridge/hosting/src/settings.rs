@@ -35,8 +35,7 @@ pub enum Origin {
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Preset(Preset::Paper) => f.write_str("preset paper"),
-            Self::Preset(Preset::Race) => f.write_str("preset race"),
+            Self::Preset(preset) => write!(f, "preset {}", preset.word()),
             Self::Car(_) => f.write_str("car"),
             Self::CarAndTrack(_) => f.write_str("car and track"),
             Self::File(name) => f.write_str(name),

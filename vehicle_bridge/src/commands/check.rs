@@ -88,7 +88,7 @@ fn report(path: &Path, args: &CheckArgs) -> Result<Report> {
     Ok(report)
 }
 
-/// The first track that ships with lmpc on which the car fits; the first of all if there is none.
+/// The first track that ships with lmpc on which the car fits, or the first of all.
 fn fitting(car: &CarParams) -> Result<Arc<Track>> {
     let names: Vec<&str> = Track::builtin_names().collect();
     let fits =

@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
 use comfy_table::{Table, presets};
-use controller::Preset;
 use controller::config::SECTIONS;
-use controller::config::keys::{Key, Kind, Value};
+use controller::config::keys::{Choice, Key, Kind, Value};
 use serde_json::{Value as Json, json};
 
 use super::{Outcome, config_schema, setup};
@@ -31,10 +30,7 @@ pub(super) fn run(args: &ConfigArgs) -> Result<Outcome> {
     let config = layers.build_for(&car, &track)?;
     let mut settings = layers.explain(&config);
     choose(&mut settings, &args.keys)?;
-    let preset = match config.preset {
-        Preset::Race => "race",
-        Preset::Paper => "paper",
-    };
+    let preset = config.preset.word();
     if args.json {
         result(&serde_json::to_string_pretty(&settings.iter().map(row).collect::<Vec<_>>())?)?;
     } else if args.toml {
@@ -95,18 +91,21 @@ fn toml(head: &str, preset: &str, settings: &[Setting<'_>]) -> String {
     text
 }
 
-/// Meaning, unit, allowed values and origin of a key, in one line.
-fn describe(key: &Key, origin: &Origin) -> String {
+/// Meaning and unit of a key.
+pub(super) fn meaning(key: &Key) -> String {
     let mut text = key.meaning().to_owned();
     if !key.unit.is_empty() {
         let _ = write!(text, " [{}]", key.unit);
     }
+    text
+}
+
+/// Meaning, unit, allowed values and origin of a key, in one line.
+fn describe(key: &Key, origin: &Origin) -> String {
+    let mut text = meaning(key);
     let _ = match (key.range, key.kind) {
         (Some([least, most]), _) => write!(text, " {least} to {most}."),
-        (None, Kind::Choice(words)) => {
-            let words: Vec<&str> = words.iter().map(|choice| choice.word).collect();
-            write!(text, " {}.", words.join(", "))
-        }
+        (None, Kind::Choice(choices)) => write!(text, " {}.", words(choices).join(", ")),
         (None, _) => Ok(()),
     };
     let _ = match origin {
@@ -114,6 +113,11 @@ fn describe(key: &Key, origin: &Origin) -> String {
         _ => write!(text, " From {origin}."),
     };
     text
+}
+
+/// The words that may be chosen.
+pub(super) fn words(choices: &[Choice]) -> Vec<&'static str> {
+    choices.iter().map(|choice| choice.word).collect()
 }
 
 /// A setting for programs.
@@ -126,10 +130,10 @@ pub(super) fn row(setting: &Setting<'_>) -> Json {
         Value::Word(word) => json!(word),
         Value::Numbers(numbers) => json!(numbers),
     };
-    let (words, entries) = match key.kind {
-        Kind::Choice(words) => (Some(words.iter().map(|choice| choice.word).collect()), None),
+    let (choices, entries) = match key.kind {
+        Kind::Choice(choices) => (Some(words(choices)), None),
         Kind::Numbers(labels) => (None, Some(labels)),
-        Kind::Count | Kind::Number | Kind::Switch => (None::<Vec<&str>>, None),
+        Kind::Count | Kind::Number | Kind::Switch => (None, None),
     };
     let rule = match origin {
         Origin::Car(rule) | Origin::CarAndTrack(rule) => Some(rule),
@@ -138,6 +142,6 @@ pub(super) fn row(setting: &Setting<'_>) -> Json {
     json!({
         "key": key.dotted(), "symbol": key.symbol, "value": value, "unit": key.unit,
         "entries": entries, "origin": origin.to_string(), "rule": rule, "range": key.range,
-        "choices": words, "meaning": key.meaning(),
+        "choices": choices, "meaning": key.meaning(),
     })
 }

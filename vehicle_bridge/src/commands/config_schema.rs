@@ -5,10 +5,12 @@ use controller::config::SECTIONS;
 use controller::config::keys::{Choice, Derivation, Key, Kind};
 use serde_json::{Map, Value as Json, json};
 
+use super::config::{meaning, words};
+
 /// The schema, in the draft that editors of TOML files read.
 pub(super) fn schema() -> Json {
     let mut properties = Map::new();
-    properties.insert("preset".to_owned(), words(Preset::CHOICES, "The set of defaults."));
+    properties.insert("preset".to_owned(), one_of(Preset::CHOICES, "The set of defaults."));
     for section in SECTIONS {
         let keys: Map<String, Json> =
             section.keys.iter().map(|key| (key.name.to_owned(), of_key(key))).collect();
@@ -28,10 +30,7 @@ pub(super) fn schema() -> Json {
 }
 
 fn of_key(key: &Key) -> Json {
-    let mut description = key.meaning().to_owned();
-    if !key.unit.is_empty() {
-        description += &format!(" [{}]", key.unit);
-    }
+    let mut description = meaning(key);
     match key.derivation {
         Derivation::Preset => {}
         Derivation::Car(rule) => description += &format!(" By default from the car: {rule}."),
@@ -52,7 +51,7 @@ fn of_key(key: &Key) -> Json {
         Kind::Count => typed("integer"),
         Kind::Number => typed("number"),
         Kind::Switch => json!({ "type": "boolean" }),
-        Kind::Choice(choices) => words(choices, ""),
+        Kind::Choice(choices) => one_of(choices, ""),
         Kind::Numbers(labels) => json!({
             "type": "array", "items": typed("number"),
             "minItems": labels.len(), "maxItems": labels.len(),
@@ -70,7 +69,6 @@ fn of_key(key: &Key) -> Json {
     schema
 }
 
-fn words(choices: &[Choice], description: &str) -> Json {
-    let words: Vec<&str> = choices.iter().map(|choice| choice.word).collect();
-    json!({ "type": "string", "enum": words, "description": description })
+fn one_of(choices: &[Choice], description: &str) -> Json {
+    json!({ "type": "string", "enum": words(choices), "description": description })
 }

@@ -177,7 +177,7 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder if there is none and locks it.
+    /// Locks the folder, which is made if it does not exist.
     pub(super) fn lock(path: &Path) -> Result<Self> {
         fs::create_dir_all(path)
             .with_context(|| format!("cannot make the folder {}", path.display()))?;

@@ -12,7 +12,7 @@
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use super::sensitivity::AlongStep;
-use super::{Discretized, Linearization, Rates, Stage, runge_kutta_4};
+use super::{Discretized, Linearization, Rates, Stage};
 use crate::model::{Held, pose_rates};
 use crate::number::{Dual, Real};
 use crate::road::Road;
@@ -60,12 +60,7 @@ fn integrate<T: Real>(step: &Discretized, x: &[T; NX], u: [T; NU], road: &dyn Ro
         y[V + i * N + i] = one;
     }
     (y[Q], y[Q + 5]) = (one, one);
-    let (substeps, h) = step.grid();
-    let system = System::new(step, u, road);
-    for _ in 0..substeps {
-        y = runge_kutta_4(&y, h, &system);
-    }
-    y
+    step.integrate(y, &System::new(step, u, road))
 }
 
 /// The matrices of the array `y`.

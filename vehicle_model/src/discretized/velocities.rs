@@ -2,7 +2,7 @@
 //! measurements. On a flat road they are integrated alone, as no velocity depends on the pose there.
 
 use super::sensitivity::AlongStep;
-use super::{Discretized, Rates, Stage, runge_kutta_4};
+use super::{Discretized, Rates, Stage};
 use crate::model::{Held, Model};
 use crate::number::{Dual, Number, Real};
 use crate::road::Road;
@@ -64,13 +64,8 @@ fn velocities<T: Number>(
         let [v_x, v_y, omega_z, ..] = step.step::<_, true>(x, u, grip, road);
         return [v_x, v_y, omega_z];
     }
-    let (substeps, h) = step.grid();
     let system = OnTheFlat { model: &step.model, held: &Held::new(u), grip };
-    let mut v = [x[0], x[1], x[2]];
-    for _ in 0..substeps {
-        v = runge_kutta_4(&v, h, &system);
-    }
-    v
+    step.integrate([x[0], x[1], x[2]], &system)
 }
 
 /// The velocities of the dynamic model on a flat road as a system of its own.
@@ -84,8 +79,6 @@ impl<T: Number> Rates<T, 3> for OnTheFlat<'_, T> {
     #[inline(always)]
     fn rates(&self, v: &[T; 3], _: f64, stage: &mut Stage<T, 3>) {
         let rates = self.model.velocity_rates(v, self.held, self.grip, None);
-        for (i, rate) in rates.into_iter().enumerate() {
-            stage.take(i, rate);
-        }
+        stage.take_all(rates);
     }
 }

@@ -49,7 +49,7 @@ impl Model {
     #[inline(always)]
     pub(super) fn load(&mut self, model: &Affine, lag: f64) {
         self.a = model.a;
-        self.b = if lag == 0.0 { model.b } else { model.b * (1.0 - lag) };
+        self.b = model.b * (1.0 - lag);
         self.a_transposed = transpose(&model.a);
         self.b_transposed = transpose(&self.b);
     }
@@ -212,8 +212,7 @@ pub(super) fn forward(
     let carry = carry(problem);
     for (t, (model, gain)) in models.iter().zip(gains).enumerate() {
         let u = product(&gain.previous, &v) - product(&gain.state_transposed, &dx[t]) - gain.offset;
-        let acting = if carry == 0.0 { u } else { u + v * carry };
-        dx[t + 1] = model.apply(&dx[t], &acting);
+        dx[t + 1] = model.apply(&dx[t], &(u + v * carry));
         if let Some(defect) = defect {
             dx[t + 1] += defect[t];
         }
