@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Matrix6;
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track, Tracker};
 
-use crate::actuator::Actuators;
+use crate::actuation::{Actuators, Response};
 use crate::config::{Config, NominalModel, RegressionConfig};
 use crate::error::ConfigError;
 use crate::fhocp::Fhocp;
@@ -63,13 +63,15 @@ impl Controller {
         nominal.tyre_front = nominal.tyre_front.with_secant(config.nominal.secant);
         nominal.tyre_rear = nominal.tyre_rear.with_secant(config.nominal.secant);
         let model = Discretized { model: Model::new(kind, nominal), dt, substeps };
-        Ok(Self {
+        let delay = config.delay.steps as f64 * dt;
+        let given = Response { delay, lag: car.actuator_lag };
+        let mut controller = Self {
             memory: Memory::new(&config),
             work: Workspace::new(&config, &car, &track),
             prepared: false,
             setup: Setup {
                 tracker: Tracker::new(&car),
-                actuators: Actuators::new(&car, dt),
+                actuators: Actuators::new(&car, dt, given),
                 regression: config.regression.clone(),
                 filter: config.filter.active.then(|| Filter::new(&config.filter, &car, dt)),
                 config,
@@ -77,7 +79,9 @@ impl Controller {
                 track,
                 model,
             },
-        })
+        };
+        controller.apply_learned();
+        Ok(controller)
     }
 
     /// Reads a measurement and returns the input for the coming period. Cannot fail.
@@ -97,18 +101,22 @@ impl Controller {
             filter: self.setup.filter.as_ref(),
             prediction: prediction.as_ref(),
         };
+        if measurement.applied.is_some() {
+            self.memory.actuation.reported();
+        }
         let last = self.memory.last.filter(|_| !self.memory.learning);
         let raw = self.memory.estimate.raw;
         let observed = observer.observe(&mut self.memory, measurement);
         if let (Some(last), Ok(now)) = (last, &observed)
             && now.reason == Reason::None
             && self.memory.recovery.is_none()
+            && self.setup.config.delay.estimates()
         {
             // A filter without delay draws its estimate to what happens without delay.
             let measured = self.setup.filter.as_ref().is_some_and(|filter| !filter.blind());
             let (from, to) =
                 if measured { (raw, self.memory.estimate.raw) } else { (last.state, now.state) };
-            self.try_delays(&from, &to);
+            self.observe_response(&from, &to);
         }
         probe.end(Phase::Project);
         let mut status = Status { lap: self.memory.lap, ..Status::default() };

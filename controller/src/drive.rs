@@ -190,7 +190,11 @@ impl Controller {
         let memory = &mut self.memory;
         let (command, reached) = self.setup.actuators.lead(memory.u_prev, wanted);
         let mean = self.setup.actuators.mean(memory.u_prev, reached);
-        memory.delay.commanded(mean);
+        if self.setup.config.delay.estimates() && !memory.learned {
+            let current = &memory.dataset.current.samples;
+            let sample = current.len().checked_sub(1).filter(|i| current[*i].next.is_none());
+            memory.actuation.commanded(command, sample.map(|i| (memory.dataset.laps.len(), i)));
+        }
         memory.queue.push_back(mean);
         let acting = memory.queue.pop_front().unwrap_or(mean);
         if let Some(sample) = memory.dataset.current.samples.last_mut().filter(|s| s.next.is_none())

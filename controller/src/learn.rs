@@ -17,7 +17,7 @@ impl Controller {
         Learned {
             identity: self.identity(),
             grip: self.memory.grip,
-            delay: self.delay(),
+            response: self.memory.actuation.found(),
             laps: self.memory.dataset.laps.clone(),
         }
     }
@@ -49,7 +49,7 @@ impl Controller {
         memory.learning = memory.initial_laps_done(self.setup.config.warm_up.laps);
         memory.learned = memory.learning;
         self.memory = memory;
-        self.adopt_delay(learned.delay);
+        self.adopt_response(learned.response);
         self.learn_with(learned.grip);
         self.prepared = false;
         Ok(())

@@ -46,12 +46,11 @@
 // The same bits on every machine: no function of the platform's mathematical library.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
-mod actuator;
+mod actuation;
 mod adopt;
 mod affine;
 pub mod config;
 mod controller;
-mod delay;
 mod derive;
 mod drive;
 mod error;
@@ -73,6 +72,7 @@ mod snapshot;
 mod status;
 mod store;
 
+pub use actuation::Response;
 pub use adopt::DrivenStep;
 pub use affine::Affine;
 pub use config::Config;

@@ -8,8 +8,8 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State, Track};
 
+use crate::actuation::Actuation;
 use crate::config::Config;
-use crate::delay::DelayTrial;
 use crate::filter::Estimate;
 use crate::filter::Smoothing;
 use crate::lap_end::{Derived, LapEnd};
@@ -38,8 +38,8 @@ pub(crate) struct Memory {
     pub(crate) estimate: Estimate,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
-    /// Delay found in the initial laps.
-    pub(crate) delay: DelayTrial,
+    /// Delay and lag of the actuators, as the initial laps show them.
+    pub(crate) actuation: Actuation,
     /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
     /// Last input decided on: where the last command leads the actuators.
@@ -96,7 +96,7 @@ impl Memory {
             last: None,
             estimate: Estimate::default(),
             suspects: 0,
-            delay: DelayTrial::default(),
+            actuation: Actuation::default(),
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
             command: Input::default(),

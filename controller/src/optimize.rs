@@ -3,7 +3,6 @@
 use nalgebra::{Vector2, Vector6};
 use vehicle_model::{CarParams, Input, Outline, State, Track};
 
-use crate::actuator::Actuators;
 use crate::config::Config;
 use crate::controller::Setup;
 use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
@@ -60,7 +59,6 @@ impl Workspace {
         problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
         problem.u_min = Vector2::new(car.a_min, -car.delta_max);
         problem.u_max = Vector2::new(car.a_max, car.delta_max);
-        problem.lag = Actuators::new(car, dt).carried();
         problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));
         problem.lane_linear = cost.lane_linear;
         problem.lane_quadratic = cost.lane_quadratic;
@@ -87,6 +85,14 @@ impl Workspace {
 
     pub(crate) fn problem(&self) -> &Fhocp {
         &self.problem
+    }
+
+    /// Actuators of another response.
+    pub(crate) fn set_lag(&mut self, carried: f64) {
+        if self.problem.lag != carried {
+            self.problem.lag = carried;
+            self.solver.forget();
+        }
     }
 
     pub(crate) fn set_speed_cap(&mut self, config: &Config) {

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
+use crate::actuation::Response;
 use crate::config::Config;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
 
 const MAGIC: &[u8; 8] = b"LMPCDATA";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -19,8 +20,8 @@ const HEADER: usize = 8 + 4 + 8 + 4;
 pub struct Learned {
     pub(crate) identity: Identity,
     pub(crate) grip: [f64; 2],
-    /// Whole periods between a command and its effect.
-    pub(crate) delay: usize,
+    /// Delay and lag of the actuators where they were found.
+    pub(crate) response: Option<Response>,
     pub(crate) laps: Vec<Arc<Lap>>,
 }
 

@@ -8,8 +8,15 @@ section! {
     /// Whole periods between a command and its effect; the state is predicted through the
     /// queued inputs.
     steps "steps": usize, symbol "", unit "", range (0, 20), from preset;
-    /// With `steps = 0`: whether the initial laps tell how many periods it takes.
+    /// With `steps = 0`: whether delay and lag of the actuators are estimated from the initial laps.
     estimate "estimate": bool, symbol "", unit "", range (), from preset;
+}
+
+impl DelayConfig {
+    /// Whether delay and lag are estimated.
+    pub(crate) fn estimates(&self) -> bool {
+        self.estimate && self.steps == 0
+    }
 }
 
 section! {

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, Outline, State};
 
+use crate::actuation::Actuators;
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::{Controller, Setup};
 use crate::learning::dataset::{Lap, select};
@@ -136,7 +137,9 @@ impl Controller {
             return;
         }
         match self.memory.lap_end.stage {
-            Stage::Idle if self.memory.lap_end.learned == self.memory.dataset.laps.len() => {}
+            Stage::Idle if self.memory.lap_end.learned == self.memory.dataset.laps.len() => {
+                self.seek_response();
+            }
             Stage::Idle => self.begin_learning(),
             Stage::Misses => self.search_misses(piece),
             Stage::Fit => self.fit_grip(piece),
@@ -147,9 +150,9 @@ impl Controller {
 
     /// Takes all closed laps into work.
     pub(crate) fn begin_learning(&mut self) {
-        let delay = &self.setup.config.delay;
-        if delay.estimate && delay.steps == 0 && !self.memory.learned && self.memory.learning {
-            self.settle_delay();
+        let now = !self.memory.learned && self.memory.learning;
+        if self.setup.config.delay.estimates() && now && !self.settle_response() {
+            return;
         }
         let work = &mut self.memory.lap_end;
         work.laps = self.memory.dataset.laps.len();
@@ -271,8 +274,11 @@ impl Controller {
         self.make_envelope();
     }
 
-    /// Grip and ridge as they are in force.
+    /// Grip, ridge and actuators as they are in force.
     pub(crate) fn apply_learned(&mut self) {
+        let dt = self.setup.config.horizon.period;
+        self.setup.actuators = Actuators::new(&self.setup.car, dt, self.response());
+        self.work.set_lag(self.setup.actuators.carried());
         self.setup.model.model.grip = self.memory.grip;
         self.setup.regression.ridge = self.setup.config.regression.ridge.max(self.memory.ridge);
     }

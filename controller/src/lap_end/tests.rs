@@ -77,7 +77,7 @@ fn no_step_takes_more_than_a_piece() {
             assert!(car.steps < 3000, "no lap");
         }
         assert_eq!(most, piece, "{laps} laps searched");
-        assert!((5..40).contains(&longest), "{laps} laps searched: {longest} steps");
+        assert!((5..50).contains(&longest), "{laps} laps searched: {longest} steps");
     }
 }
 

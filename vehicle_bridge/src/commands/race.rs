@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use controller::Response;
 use serde_json::json;
 
 use super::race_table::{LapTable, head};
@@ -186,10 +187,9 @@ fn account(race: &Race, known: Option<&Known>) -> Vec<String> {
             lines.push(measured(best.result.lap_time, known));
         }
     }
-    let (delay, given) = (race.controller().delay(), race.controller().config().delay.steps);
-    if delay > given {
-        let period = race.controller().config().horizon.period;
-        let text = format!("delay of {delay} periods ({:.3} s) found", delay as f64 * period);
+    if race.controller().response_found() {
+        let Response { delay, lag } = race.controller().response();
+        let text = format!("delay of {delay:.3} s and lag of {lag:.3} s found");
         lines.push(paint(WARN, &text));
     }
     for incident in &race.incidents {
@@ -269,7 +269,8 @@ fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value 
         "incidents": race.incidents.iter().map(failed).collect::<Vec<_>>(),
         "fallbacks": fallbacks(&race.steps),
         "grip": race.controller().grip(),
-        "delay_steps": race.controller().delay(),
+        "delay_s": race.controller().response().delay,
+        "lag_s": race.controller().response().lag,
         "out": out.display().to_string(),
     })
 }

@@ -1,4 +1,4 @@
-//! First-order actuators seen from the controller: it decides where the actuator stands at the
+//! Late first-order actuators seen from the controller: it decides where the actuator stands at the
 //! end of the period and commands what brings it there.
 //!
 //! With time constant T, position p at the start of a period of length dt and command c,
@@ -15,8 +15,24 @@
 //! ```
 //!
 //! so that stage t of the optimal control problem depends on u_{t-1} too.
+//!
+//! A delay of whole periods is a queue. With a fraction phi of a period more, the period of stage t
+//! holds the end of the way to u_{t-1} and the beginning of that to u_t:
+//!
+//! ```text
+//! mean = w_0 u_t + w_1 u_{t-1} + w_2 u_{t-2}
+//! ```
+//!
+//! with w_2 = 0 without lag. Two weights take the place of the three, with the same mean delay
+//! w_1 + 2 w_2; what is more than a period of it is queued.
 
 use vehicle_model::{CarParams, Input};
+
+use super::Response;
+
+/// A mean delay up to this much before the end of a period counts as a whole one, with a weight of
+/// u_{t-1} below 0: otherwise u_t had next to no effect on its own stage.
+const NEARLY: f64 = 0.1;
 
 /// Actuators of a car over one period.
 #[derive(Debug, Clone)]
@@ -25,17 +41,40 @@ pub(crate) struct Actuators {
     share: f64,
     /// beta: weight of the period's end in its mean.
     beta: f64,
+    /// Whole periods that what is decided on waits in the queue.
+    periods: usize,
     least: Input,
     most: Input,
 }
 
 impl Actuators {
-    pub(crate) fn new(car: &CarParams, dt: f64) -> Self {
-        let lag = car.actuator_lag;
+    /// Of a car whose actuators respond so.
+    pub(crate) fn new(car: &CarParams, dt: f64, response: Response) -> Self {
+        let Response { delay, lag } = response;
         let share = if lag > 0.0 { -libm::expm1(-dt / lag) } else { 1.0 };
+        let whole = (delay / dt + 1e-9).floor();
+        let fraction = (delay / dt - whole).max(0.0);
+        let mut late = whole;
+        let mut beta = (1.0 - lag / dt * share) / share;
+        if fraction > 1e-9 {
+            // Shares of the way covered on average in the first and the last part of it.
+            let way = |from: f64, to: f64| {
+                if lag <= 0.0 {
+                    return 1.0;
+                }
+                let left = libm::exp(-from * dt / lag) - libm::exp(-to * dt / lag);
+                (1.0 - lag / dt * left / (to - from)) / share
+            };
+            let (first, last) = (way(0.0, 1.0 - fraction), way(1.0 - fraction, 1.0));
+            let mean = (1.0 - fraction) * (1.0 - first) + fraction * (2.0 - last);
+            let more = (mean + NEARLY).floor();
+            late += more;
+            beta = 1.0 - (mean - more);
+        }
         Self {
             share,
-            beta: (1.0 - lag / dt * share) / share,
+            beta,
+            periods: late as usize,
             least: Input { a: car.a_min, delta: -car.delta_max },
             most: Input { a: car.a_max, delta: car.delta_max },
         }
@@ -64,6 +103,11 @@ impl Actuators {
         Input { a: mean(from.a, to.a), delta: mean(from.delta, to.delta) }
     }
 
+    /// Whole periods of the queue.
+    pub(crate) fn periods(&self) -> usize {
+        self.periods
+    }
+
     /// Share of a period's mean that is the position it starts from.
     pub(crate) fn carried(&self) -> f64 {
         1.0 - self.beta
@@ -79,14 +123,16 @@ mod tests {
         let car = CarParams { actuator_lag: 0.07, ..CarParams::builtin("iac").unwrap() };
         let (dt, steps) = (0.1, 100_000);
         let (from, wanted) = (Input { a: -1.0, delta: 0.05 }, Input { a: 0.5, delta: 0.07 });
-        let (command, reached) = Actuators::new(&car, dt).lead(from, wanted);
+        let response = Response { delay: 0.0, lag: car.actuator_lag };
+        let actuators = Actuators::new(&car, dt, response);
+        let (command, reached) = actuators.lead(from, wanted);
         let (mut p, mut sum, h) = (from.a, 0.0, dt / f64::from(steps));
         for _ in 0..steps {
             let next = p + h / car.actuator_lag * (command.a - p);
             sum += 0.5 * (p + next);
             p = next;
         }
-        let mean = Actuators::new(&car, dt).mean(from, reached).a;
+        let mean = actuators.mean(from, reached).a;
         assert!((sum / f64::from(steps) - mean).abs() < 1e-5, "{mean}");
         assert!((p - wanted.a).abs() < 1e-5, "{p}");
         assert!((reached.a - wanted.a).abs() < 1e-12);
@@ -96,6 +142,7 @@ mod tests {
     fn without_lag_the_command_is_what_is_wanted() {
         let car = CarParams { actuator_lag: 0.0, ..CarParams::builtin("barc").unwrap() };
         let wanted = Input { a: 0.3, delta: -0.2 };
-        assert_eq!(Actuators::new(&car, 0.1).lead(Input::default(), wanted), (wanted, wanted));
+        let actuators = Actuators::new(&car, 0.1, Response::default());
+        assert_eq!(actuators.lead(Input::default(), wanted), (wanted, wanted));
     }
 }
