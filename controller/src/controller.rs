@@ -67,7 +67,7 @@ impl Controller {
         let given = Response { delay, lag: car.actuator_lag };
         let mut controller = Self {
             memory: Memory::new(&config),
-            work: Workspace::new(&config, &car, &track),
+            work: Workspace::new(&config, &car, &track, &model),
             prepared: false,
             setup: Setup {
                 tracker: Tracker::new(&car),
@@ -106,6 +106,9 @@ impl Controller {
         }
         let last = self.memory.last.filter(|_| !self.memory.learning);
         let raw = self.memory.estimate.raw;
+        let driven = self.memory.last.filter(|_| self.watches_road());
+        let sample = self.memory.dataset.current.samples.last();
+        let acted = measurement.applied.or(sample.map(|sample| sample.u));
         let observed = observer.observe(&mut self.memory, measurement);
         if let (Some(last), Ok(now)) = (last, &observed)
             && now.reason == Reason::None
@@ -118,8 +121,16 @@ impl Controller {
                 if measured { (raw, self.memory.estimate.raw) } else { (last.state, now.state) };
             self.observe_response(&from, &to);
         }
+        if let (Some(last), Some(u), Ok(now)) = (driven, acted, &observed)
+            && now.reason == Reason::None
+            && self.memory.recovery.is_none()
+        {
+            let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now.state };
+            self.observe_road(&last.state, &to, &u);
+        }
         probe.end(Phase::Project);
-        let mut status = Status { lap: self.memory.lap, ..Status::default() };
+        let road_grip = self.memory.road.share;
+        let mut status = Status { lap: self.memory.lap, road_grip, ..Status::default() };
         let wanted = match observed {
             Ok(observation) => self.drive(&observation, &mut status, probe),
             Err(reason) => self.hold_on(reason, &mut status),
@@ -230,10 +241,16 @@ impl Controller {
         &self.memory.dataset.laps
     }
 
-    /// Fitted factors on front and rear grip.
+    /// Factors on front and rear grip in force: those fitted, times [`Controller::road_grip`].
     #[must_use]
     pub fn grip(&self) -> [f64; 2] {
-        self.memory.grip
+        self.setup.model.model.grip
+    }
+
+    /// Share of the fitted grip that the road has now, 1 for all of it.
+    #[must_use]
+    pub fn road_grip(&self) -> f64 {
+        self.memory.road.share
     }
 
     /// Covariance of the state that the last step used, as the filter predicts it; none where the

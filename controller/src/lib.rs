@@ -67,6 +67,7 @@ mod optimize;
 mod plan;
 mod presets;
 mod recovery;
+mod road;
 mod slip;
 mod snapshot;
 mod status;

@@ -16,6 +16,7 @@ use crate::lap_end::{Derived, LapEnd};
 use crate::learning::dataset::{Dataset, Lap};
 use crate::plan::Plan;
 use crate::recovery::Recovery;
+use crate::road::Road;
 use crate::status::LapKind;
 
 /// State of the controller: cloning it is cheap however much was learned, as laps are shared.
@@ -24,6 +25,8 @@ pub(crate) struct Memory {
     pub(crate) dataset: Dataset,
     /// Fitted factors on front and rear mu.
     pub(crate) grip: [f64; 2],
+    /// What the road has of that grip now.
+    pub(crate) road: Road,
     /// Number of the lap in progress; 0 before the line is first crossed.
     pub(crate) lap: u32,
     /// Whether the lap in progress is a learning lap.
@@ -89,6 +92,7 @@ impl Memory {
         let mut memory = Self {
             dataset: Dataset::default(),
             grip: [1.0; 2],
+            road: Road::default(),
             lap: 0,
             learning: false,
             learned: false,

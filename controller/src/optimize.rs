@@ -1,7 +1,7 @@
 //! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
 
 use nalgebra::{Vector2, Vector6};
-use vehicle_model::{CarParams, Input, Outline, State, Track};
+use vehicle_model::{CarParams, Discretized, Input, Outline, State, Track};
 
 use crate::config::Config;
 use crate::controller::Setup;
@@ -16,6 +16,9 @@ use crate::status::{Phase, Probe};
 
 /// Share of the brakes with which a plan slows down to a speed cap.
 const CAP_BRAKE: f64 = 0.5;
+
+/// Share of the brakes with which a plan slows down where the road is slippery.
+const ROAD_BRAKE: f64 = 0.9;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
@@ -49,10 +52,17 @@ pub(crate) struct Workspace {
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,
     pub(crate) scratch: Scratch,
+    /// The nominal model, for hypotheses on the grip.
+    pub(crate) probe: Discretized,
 }
 
 impl Workspace {
-    pub(crate) fn new(config: &Config, car: &CarParams, track: &Track) -> Self {
+    pub(crate) fn new(
+        config: &Config,
+        car: &CarParams,
+        track: &Track,
+        model: &Discretized,
+    ) -> Self {
         let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
@@ -80,6 +90,7 @@ impl Workspace {
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
             scratch: Scratch::new(&config.regression, n),
+            probe: model.clone(),
         }
     }
 
@@ -127,9 +138,13 @@ impl Workspace {
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);
-        if self.speed_cap.is_finite() {
-            let slowest = self.problem.speed_max.last().copied().unwrap_or(f64::INFINITY);
-            self.safe_set.slow_down(slowest, setup.car.l_r);
+        let road = &memory.derived.road_speed;
+        if self.speed_cap.is_finite() || road.bounds() {
+            let slowest = match self.speed_cap.is_finite() {
+                true => self.problem.speed_max.last().copied().unwrap_or(f64::INFINITY),
+                false => f64::INFINITY,
+            };
+            self.safe_set.slow_down(|s| slowest.min(road.at(s)), setup.car.l_r);
         }
         probe.end(Phase::SafeSet);
         self.weigh(&setup.config, memory);
@@ -147,7 +162,7 @@ impl Workspace {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
             let stages = setup.config.horizon.steps - t;
-            let dissipation = Dissipation::new(setup, memory.grip, stages);
+            let dissipation = Dissipation::new(setup, setup.model.model.grip, stages);
             let row = &mut self.problem.front[t];
             row.weight = dissipation.weight(x.v_x, 0, row.reference);
             // The lane and the rear guard bind the state at the stage's end.
@@ -176,9 +191,13 @@ impl Workspace {
     fn bound_speed(&mut self, setup: &Setup, memory: &Memory) {
         let slower = CAP_BRAKE * setup.car.a_min.abs() * setup.config.horizon.period;
         let mut approach = memory.plan.x.first().map_or(0.0, |x| x.v_x);
+        let harder = ROAD_BRAKE * setup.car.a_min.abs() * setup.config.horizon.period;
+        let mut slippery = approach;
         for (most, next) in self.problem.speed_max.iter_mut().zip(memory.plan.x.iter().skip(1)) {
             approach -= slower;
-            let limit = self.limit.at(next.s).min(self.speed_cap.max(approach));
+            slippery -= harder;
+            let road = memory.derived.road_speed.at(next.s).max(slippery);
+            let limit = self.limit.at(next.s).min(self.speed_cap.max(approach)).min(road);
             *most = memory.derived.envelope.at(next.s).min(limit);
         }
     }

@@ -163,6 +163,8 @@ pub struct Status {
     pub data_support_min: f64,
     /// Mean over the horizon of the sum of the kernel weights.
     pub data_support_mean: f64,
+    /// Share of the fitted grip that the road has now, 1 for all of it: below 1 after a fall of grip.
+    pub road_grip: f64,
     /// Whether the input was cut to the car's limits.
     pub clipped: bool,
     /// The lap that this measurement finished.

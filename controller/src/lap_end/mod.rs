@@ -29,8 +29,11 @@ use crate::learning::dataset::{Lap, select};
 use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip::{self, Fit};
 use crate::learning::regression::{RegressionData, Target, leap_order};
+use crate::learning::road_speed::RoadSpeed;
 use crate::status::LapKind;
 
+/// Share of the fitted grip above which a road counts as having all of it.
+const DRY: f64 = 0.97;
 /// Samples of a piece for each stage of the horizon.
 const SHARE: usize = 6;
 
@@ -82,6 +85,7 @@ enum Stage {
 pub(crate) struct Derived {
     pub(crate) regression: Arc<RegressionData>,
     pub(crate) envelope: Arc<Envelope>,
+    pub(crate) road_speed: Arc<RoadSpeed>,
     /// False after reading a state from bytes, which do not hold any of it.
     pub(crate) made: bool,
 }
@@ -196,9 +200,14 @@ impl Controller {
             return self.begin_data();
         }
         // A driver's laps are too slow and their noise is unknown: they say little of grip.
-        let own = |lap: &&Arc<Lap>| lap.result.kind != LapKind::Driven;
-        let laps = self.memory.dataset.laps[..work.laps].iter().rev().filter(own);
-        let samples = laps.flat_map(|lap| lap.samples.iter().rev());
+        let laps = self.memory.dataset.laps[..work.laps].iter().enumerate().rev();
+        let own = laps.filter(|(_, lap)| lap.result.kind != LapKind::Driven);
+        // What a slippery road did says nothing of the grip without it.
+        let road = &self.memory.road;
+        let samples = own.flat_map(|(i, lap)| {
+            let samples = lap.samples.iter().enumerate().rev();
+            samples.filter(move |(k, _)| road.at(i, *k) > DRY).map(|(_, sample)| sample)
+        });
         let (filter, estimate) = (&self.setup.filter, &self.memory.estimate);
         let noise = filter.as_ref().map(|filter| filter.velocity_noise(estimate));
         work.fit.begin(work.grip, samples, noise.unwrap_or_default());
@@ -242,7 +251,8 @@ impl Controller {
                 let data = work.data.as_mut().unwrap_or(&mut self.memory.derived.regression);
                 // A snapshot that shares them keeps its own.
                 let memory = (&mut work.points, &mut work.targets);
-                self.setup.add(Arc::make_mut(data), lap, range, work.grip, memory);
+                let share = |sample| self.memory.road.at(work.lap, sample);
+                self.setup.add(Arc::make_mut(data), lap, range, (work.grip, &share), memory);
                 if piece == 0 {
                     return;
                 }
@@ -279,7 +289,8 @@ impl Controller {
         let dt = self.setup.config.horizon.period;
         self.setup.actuators = Actuators::new(&self.setup.car, dt, self.response());
         self.work.set_lag(self.setup.actuators.carried());
-        self.setup.model.model.grip = self.memory.grip;
+        let share = self.memory.road.share;
+        self.setup.model.model.grip = self.memory.grip.map(|grip| share * grip);
         self.setup.regression.ridge = self.setup.config.regression.ridge.max(self.memory.ridge);
     }
 
@@ -296,6 +307,19 @@ impl Controller {
         let grip = self.memory.grip;
         let envelope = Envelope::new(&config.envelope, car, grip, track, chosen, misses);
         self.memory.derived.envelope = Arc::new(envelope);
+        self.make_road_speed();
+    }
+
+    /// What the road allows, if it has less grip than was fitted.
+    pub(crate) fn make_road_speed(&mut self) {
+        let (memory, Setup { car, track, .. }) = (&self.memory, &self.setup);
+        let best = memory.selected.first().filter(|_| memory.road.share < DRY);
+        let bound = best.map(|&best| {
+            let driven = |sample| memory.road.at(best, sample);
+            let grip = (memory.grip, memory.road.share);
+            RoadSpeed::new(car, track, grip, &memory.dataset.laps[best], driven)
+        });
+        self.memory.derived.road_speed = Arc::new(bound.unwrap_or_default());
     }
 }
 
@@ -306,11 +330,12 @@ impl Setup {
         data: &mut RegressionData,
         lap: &Lap,
         range: std::ops::Range<usize>,
-        grip: [f64; 2],
+        (grip, share): ([f64; 2], &dyn Fn(usize) -> f64),
         (points, targets): (&mut Vec<(State, Input)>, &mut Vec<[f64; 3]>),
     ) {
         let order = || leap_order(lap.samples.len(), range.clone());
         let known = order().filter_map(|i| Some((&lap.samples[i], lap.samples[i].next?)));
+        let shares = order().filter(|i| lap.samples[*i].next.is_some()).map(share);
         points.clear();
         targets.clear();
         for (sample, next) in known {
@@ -319,12 +344,22 @@ impl Setup {
         }
         if self.config.regression.mode == RegressionMode::Error {
             let mut model = self.model.clone();
-            model.model.grip = grip;
-            model.velocities_all(points, &self.track.road(), &mut |i, expected| {
-                for (target, expected) in targets[i].iter_mut().zip(expected) {
-                    *target -= expected;
+            let (mut begin, mut shares) = (0, shares.peekable());
+            // What the model gets wrong with the grip that a sample was driven with.
+            while let Some(share) = shares.next() {
+                let mut end = begin + 1;
+                while shares.next_if_eq(&share).is_some() {
+                    end += 1;
                 }
-            });
+                model.model.grip = grip.map(|grip| share * grip);
+                let road = self.track.road();
+                model.velocities_all(&points[begin..end], &road, &mut |i, expected| {
+                    for (target, expected) in targets[begin + i].iter_mut().zip(expected) {
+                        *target -= expected;
+                    }
+                });
+                begin = end;
+            }
         }
         for ((x, u), y) in points.iter().zip(targets) {
             if y.iter().all(|v| v.is_finite()) {

@@ -46,10 +46,11 @@ impl Controller {
         grip: [f64; 2],
     ) {
         let (mut points, mut targets) = (Vec::new(), Vec::new());
-        let mut add = |data: &mut RegressionData, lap: usize, count: Option<usize>| {
-            let lap = &self.memory.dataset.laps[lap];
+        let mut add = |data: &mut RegressionData, index: usize, count: Option<usize>| {
+            let lap = &self.memory.dataset.laps[index];
+            let share = |sample| self.memory.road.at(index, sample);
             let count = count.unwrap_or(lap.samples.len());
-            self.setup.add(data, lap, 0..count, grip, (&mut points, &mut targets));
+            self.setup.add(data, lap, 0..count, (grip, &share), (&mut points, &mut targets));
         };
         let next = laps.end;
         for lap in laps {

@@ -8,5 +8,6 @@ pub mod inverse;
 pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;
+pub(crate) mod road_speed;
 pub mod safe_set;
 pub(crate) mod speed_limit;

@@ -93,12 +93,13 @@ impl SafeSet {
         }
     }
 
-    /// Slows the points down to a speed, on the same path: yaw rate in proportion, slip with the
+    /// Slows the points down to a speed at their place, on the same path: yaw rate in proportion, slip with the
     /// square of the speed, the course as it was; time passes in inverse proportion. `l_r` is the
     /// distance of the rear axle from the centre of gravity \[m\].
-    pub(crate) fn slow_down(&mut self, speed: f64, l_r: f64) {
+    pub(crate) fn slow_down(&mut self, speed: impl Fn(f64) -> f64, l_r: f64) {
         for (i, x) in self.points.iter_mut().enumerate() {
             let (v_x, v_y, omega_z) = (x[0], x[1], x[2]);
+            let speed = speed(x[4]);
             let r = speed / v_x;
             if r.is_nan() || r <= 0.0 || r >= 1.0 {
                 continue;

@@ -1,0 +1,94 @@
+//! What a part of the grip allows on the driven line: where the road has become slippery, the speeds
+//! of earlier laps are no measure.
+//!
+//! ```text
+//! v(s)^2 = min(share u_max A / kappa(s), v(s + ds)^2 + 2 ds brake)      backward, twice round
+//! ```
+//!
+//! with the curvature kappa of the line that the best lap drove, the lateral acceleration A that the
+//! fitted grip allows, and the greatest part u_max of it that the lap used.
+
+use vehicle_model::{CarParams, GRAVITY, Track};
+
+use super::braking::{backward, deceleration, grid, place};
+use super::dataset::Lap;
+
+/// Part of the grip that a driven lap uses at least, and at most.
+const USE: (f64, f64) = (0.6, 0.95);
+/// Part of the grip that brakes may use before a bend.
+const BRAKE_SHARE: f64 = 0.5;
+
+/// Greatest speed along the track.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RoadSpeed {
+    /// Distance of the grid points \[m\].
+    ds: f64,
+    /// Speed at each grid point \[m/s\]; empty if there is no bound.
+    speed: Vec<f64>,
+}
+
+impl RoadSpeed {
+    /// With this share of the fitted grip on the line of a lap; `driven` gives the share with which its
+    /// samples were driven.
+    pub(crate) fn new(
+        car: &CarParams,
+        track: &Track,
+        (grip, share): ([f64; 2], f64),
+        lap: &Lap,
+        driven: impl Fn(usize) -> f64,
+    ) -> Self {
+        let (points, ds) = grid(car, track);
+        let mu = (car.tyre_front.mu * grip[0]).min(car.tyre_rear.mu * grip[1]);
+        let lift = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
+        let available = |v: f64| mu * (GRAVITY + lift * v * v);
+        let mut bend = vec![f64::NAN; points];
+        let mut used: f64 = USE.0;
+        for (i, pair) in lap.samples.windows(2).enumerate() {
+            let (from, to) = (&pair[0].x, &pair[1].x);
+            if to.s <= from.s || from.v_x <= 0.0 || to.v_x <= 0.0 {
+                continue;
+            }
+            used = used.max((from.omega_z * from.v_x).abs() / available(from.v_x) / driven(i));
+            // Squared speed at which the line takes all of the grip.
+            let kappa = [from, to].map(|x| (x.omega_z / x.v_x).abs().max(1e-6) / available(x.v_x));
+            for k in (from.s / ds).ceil() as usize.. {
+                let share = (k as f64 * ds - from.s) / (to.s - from.s);
+                if share > 1.0 {
+                    break;
+                }
+                bend[k % points] = kappa[0] + share * (kappa[1] - kappa[0]);
+            }
+        }
+        let Some(start) = bend.iter().position(|v| !v.is_nan()) else { return Self::default() };
+        let mut last = bend[start];
+        let mut speed = vec![0.0; points];
+        for i in 0..points {
+            let i = (start + i) % points;
+            if !bend[i].is_nan() {
+                last = bend[i];
+            }
+            speed[i] = (share * used.min(USE.1) / last * track.friction(i as f64 * ds)).sqrt();
+        }
+        let brake = car.hardest_braking().min(BRAKE_SHARE * share * mu * GRAVITY);
+        backward(&mut speed, |i, here, after| {
+            let room = deceleration(track, i as f64 * ds, brake).max(0.0);
+            here.min((after * after + 2.0 * ds * room).sqrt())
+        });
+        Self { ds, speed }
+    }
+
+    /// Whether there is a bound.
+    pub(crate) fn bounds(&self) -> bool {
+        !self.speed.is_empty()
+    }
+
+    /// Greatest speed at s \[m/s\]; infinite where nothing bounds it.
+    pub(crate) fn at(&self, s: f64) -> f64 {
+        if self.speed.is_empty() {
+            return f64::INFINITY;
+        }
+        let n = self.speed.len();
+        let (i, share) = place(s, self.ds, n);
+        self.speed[i] + share * (self.speed[(i + 1) % n] - self.speed[i])
+    }
+}

@@ -1,0 +1,193 @@
+//! The grip of the road now, as a share of that which was fitted: seen within a few samples.
+//!
+//! For each hypothesis h of a bank the model drives one period with h times the fitted grip, with what
+//! the regression knows of its error. Over a window that forgets,
+//!
+//! ```text
+//! S_h <- FORGET S_h + sum_rows min(r_h^2 / sigma^2, MOST)        rows v_y and omega_z
+//! ```
+//!
+//! sigma is what the residuals of the share in force were before. A lower share comes into force as
+//! soon as its hypothesis is clearly more likely; a higher one a little with each period in which the car
+//! drives hard enough to tell.
+
+use serde::{Deserialize, Serialize};
+use vehicle_model::{Discretized, GRAVITY, Input, State};
+
+use crate::config::{NominalModel, RegressionMode};
+use crate::controller::Controller;
+use crate::filter::Filter;
+use crate::learned_model;
+
+/// Hypotheses: shares of the fitted grip. The first place is that in force.
+const SHARES: [f64; 9] = [1.0, 1.0, 0.92, 0.84, 0.76, 0.68, 0.6, 0.5, 0.4];
+/// What a period's evidence is worth one period later.
+const FORGET: f64 = 0.85;
+/// Most evidence of one row in one period.
+const MOST: f64 = 30.0;
+/// Evidence that brings a lower share into force, and a higher one.
+const CLEAR: f64 = 16.0;
+/// Lower by less than this is not told from the error of the model.
+const LEAST: f64 = 0.05;
+/// Of the lateral grip, what the car must use for its motion to tell the grip.
+const USED: f64 = 0.35;
+/// Share given back in one period.
+const RISE: f64 = 0.01;
+/// Periods for which the residuals are remembered, and before anything is decided.
+const MEMORY: f64 = 150.0;
+const KNOWN: f64 = 30.0;
+/// A residual counts up to so many standard deviations for them.
+const CLIP: f64 = 3.0;
+/// Periods before a fall was seen that it is taken to have lasted for.
+const BEFORE: usize = 6;
+
+/// What is known of the road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Road {
+    /// Share of the fitted grip in force.
+    pub(crate) share: f64,
+    /// S_h.
+    sums: [f64; SHARES.len()],
+    /// Variances of the residuals of v_y and omega_z with the share in force.
+    variance: [f64; 2],
+    count: f64,
+    /// Where in the data another share began: lap, sample, share.
+    pub(crate) changes: Vec<Change>,
+}
+
+/// A change of the share.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Change {
+    lap: usize,
+    sample: usize,
+    share: f64,
+}
+
+impl Default for Road {
+    fn default() -> Self {
+        Self {
+            share: 1.0,
+            sums: [0.0; SHARES.len()],
+            variance: [0.0; 2],
+            count: 0.0,
+            changes: Vec::new(),
+        }
+    }
+}
+
+impl Road {
+    /// Share of the fitted grip with which this sample was driven.
+    pub(crate) fn at(&self, lap: usize, sample: usize) -> f64 {
+        let before = |change: &&Change| (change.lap, change.sample) <= (lap, sample);
+        self.changes.iter().rev().find(before).map_or(1.0, |change| change.share)
+    }
+
+    /// Another share from this sample on.
+    fn change(&mut self, share: f64, lap: usize, sample: usize) {
+        self.share = share;
+        while self.changes.last().is_some_and(|last| (last.lap, last.sample) >= (lap, sample)) {
+            self.changes.pop();
+        }
+        self.changes.push(Change { lap, sample, share });
+        self.sums = [0.0; SHARES.len()];
+    }
+
+    /// Takes in the residuals [v_y, omega_z] of each hypothesis; gives the share they ask for.
+    fn weigh(&mut self, residuals: &[[f64; 2]; SHARES.len()], floor: [f64; 2]) -> Option<f64> {
+        let variance: [f64; 2] = std::array::from_fn(|i| self.variance[i].max(floor[i] * floor[i]));
+        for (sum, residual) in self.sums.iter_mut().zip(residuals) {
+            let cost = |i: usize| (residual[i] * residual[i] / variance[i]).min(MOST);
+            *sum = FORGET * *sum + cost(0) + cost(1);
+        }
+        // What another share explains is no error of the model.
+        let best = (0..SHARES.len()).fold(
+            0,
+            |best, h| {
+                if self.sums[h] < self.sums[best] { h } else { best }
+            },
+        );
+        self.count = (self.count + 1.0).min(MEMORY);
+        let [own, ..] = residuals;
+        for i in 0..2 {
+            let most = CLIP * CLIP * variance[i];
+            let square = own[i] * own[i];
+            let square = if self.count > KNOWN { square.min(most) } else { square };
+            self.variance[i] += (square - self.variance[i]) / self.count;
+        }
+        if self.count < KNOWN || self.sums[0] - self.sums[best] < CLEAR {
+            return None;
+        }
+        let mean = |lower: bool| {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (h, share) in SHARES.iter().enumerate().skip(1) {
+                if (*share < self.share) == lower {
+                    let weight = libm::exp(0.5 * (self.sums[best] - self.sums[h]));
+                    sum += weight * share;
+                    weights += weight;
+                }
+            }
+            sum / weights
+        };
+        let lower = SHARES[best] < self.share;
+        let wanted = mean(lower);
+        if lower && wanted < self.share - LEAST {
+            return Some(wanted);
+        }
+        (!lower && wanted > self.share).then(|| wanted.min(self.share + RISE))
+    }
+}
+
+impl Controller {
+    /// Whether the grip of the road is watched.
+    pub(crate) fn watches_road(&self) -> bool {
+        let config = &self.setup.config;
+        self.memory.learned
+            && config.nominal.adapt_grip
+            && config.nominal.model == NominalModel::Dynamic
+            && config.regression.mode == RegressionMode::Error
+            && !self.setup.filter.as_ref().is_some_and(Filter::blind)
+    }
+
+    /// Takes in how the car went on from `last` to `now` with an input, one period later.
+    pub(crate) fn observe_road(&mut self, last: &State, now: &State, u: &Input) {
+        let setup = &self.setup;
+        let road = setup.track.friction(last.s);
+        let scales = crate::derive::Scales::new(&setup.car);
+        let share = self.memory.road.share;
+        let available = setup.model.model.grip[0].min(setup.model.model.grip[1])
+            * setup.car.tyre_front.mu.min(setup.car.tyre_rear.mu)
+            * GRAVITY
+            * road;
+        if (last.v_x * last.omega_z).abs() < USED * available {
+            return;
+        }
+        let data = &self.memory.derived.regression;
+        let scratch = &mut self.work.scratch;
+        let (error, _) = learned_model::error(data, &setup.regression, 0, (last, u), scratch);
+        let wrong = error.apply(&last.to_vector(), &u.to_vector());
+        let probe: &mut Discretized = &mut self.work.probe;
+        let mut residuals = [[0.0; 2]; SHARES.len()];
+        for (h, residual) in residuals.iter_mut().enumerate() {
+            let tried = if h == 0 { share } else { SHARES[h] };
+            probe.model.grip = self.memory.grip.map(|grip| tried * grip);
+            let next = probe.next(last, u, setup.track.road());
+            *residual = [now.v_y - next.v_y - wrong[1], now.omega_z - next.omega_z - wrong[2]];
+        }
+        let model_error = setup.config.filter.model_error;
+        let v =
+            model_error * scales.speed * scales.speed / scales.length * setup.config.horizon.period;
+        if !residuals.iter().flatten().all(|r| r.is_finite()) {
+            return;
+        }
+        let Some(wanted) = self.memory.road.weigh(&residuals, [v, v / scales.length]) else {
+            return;
+        };
+        let (lap, sample) =
+            (self.memory.dataset.laps.len(), self.memory.dataset.current.samples.len());
+        let began = if wanted < share { BEFORE } else { 1 };
+        self.memory.road.change(wanted, lap, sample.saturating_sub(began));
+        self.apply_learned();
+        self.make_road_speed();
+        self.prepared = false;
+    }
+}
