@@ -127,6 +127,8 @@ impl Controller {
         {
             let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now.state };
             self.observe_road(&last.state, &to, &u);
+            // What was prepared before the measurement holds no more after a change of the grip.
+            self.prepare_probed(probe);
         }
         probe.end(Phase::Project);
         let road_grip = self.memory.road.share;

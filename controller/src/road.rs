@@ -1,15 +1,16 @@
 //! The grip of the road now, as a share of that which was fitted: seen within a few samples.
 //!
 //! For each hypothesis h of a bank the model drives one period with h times the fitted grip, with what
-//! the regression knows of its error. Over a window that forgets,
+//! the regression knows of its error. Evidence against the share in force is summed up as in Page's
+//! test (1954), which does not weigh what was before the fall against it:
 //!
 //! ```text
-//! S_h <- FORGET S_h + sum_rows min(r_h^2 / sigma^2, MOST)        rows v_y and omega_z
+//! c_h = sum_rows min(r_h^2 / sigma^2, MOST)        rows v_y and omega_z
+//! G_h <- max(0, FORGET G_h + c_in_force - c_h)
 //! ```
 //!
 //! sigma is what the residuals of the share in force were before. A lower share comes into force as
-//! soon as its hypothesis is clearly more likely; a higher one a little with each period in which the car
-//! drives hard enough to tell.
+//! soon as G_h is clear; a higher one a little with each period in which it is.
 
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Discretized, GRAVITY, Input, State};
@@ -24,9 +25,9 @@ const SHARES: [f64; 9] = [1.0, 1.0, 0.92, 0.84, 0.76, 0.68, 0.6, 0.5, 0.4];
 /// What a period's evidence is worth one period later.
 const FORGET: f64 = 0.85;
 /// Most evidence of one row in one period.
-const MOST: f64 = 30.0;
+const MOST: f64 = 36.0;
 /// Evidence that brings a lower share into force, and a higher one.
-const CLEAR: f64 = 16.0;
+const CLEAR: f64 = 25.0;
 /// Lower by less than this is not told from the error of the model.
 const LEAST: f64 = 0.05;
 /// Of the lateral grip, what the car must use for its motion to tell the grip.
@@ -46,7 +47,7 @@ const BEFORE: usize = 6;
 pub(crate) struct Road {
     /// Share of the fitted grip in force.
     pub(crate) share: f64,
-    /// S_h.
+    /// G_h.
     sums: [f64; SHARES.len()],
     /// Variances of the residuals of v_y and omega_z with the share in force.
     variance: [f64; 2],
@@ -95,17 +96,17 @@ impl Road {
     /// Takes in the residuals [v_y, omega_z] of each hypothesis; gives the share they ask for.
     fn weigh(&mut self, residuals: &[[f64; 2]; SHARES.len()], floor: [f64; 2]) -> Option<f64> {
         let variance: [f64; 2] = std::array::from_fn(|i| self.variance[i].max(floor[i] * floor[i]));
-        for (sum, residual) in self.sums.iter_mut().zip(residuals) {
+        let cost = |residual: &[f64; 2]| {
             let cost = |i: usize| (residual[i] * residual[i] / variance[i]).min(MOST);
-            *sum = FORGET * *sum + cost(0) + cost(1);
+            cost(0) + cost(1)
+        };
+        let own = cost(&residuals[0]);
+        for (sum, residual) in self.sums.iter_mut().zip(residuals) {
+            *sum = (FORGET * *sum + own - cost(residual)).max(0.0);
         }
-        // What another share explains is no error of the model.
-        let best = (0..SHARES.len()).fold(
-            0,
-            |best, h| {
-                if self.sums[h] < self.sums[best] { h } else { best }
-            },
-        );
+        let best = (0..SHARES.len()).fold(0, |best, h| {
+            if self.sums[h] > self.sums[best] { h } else { best }
+        });
         self.count = (self.count + 1.0).min(MEMORY);
         let [own, ..] = residuals;
         for i in 0..2 {
@@ -114,14 +115,14 @@ impl Road {
             let square = if self.count > KNOWN { square.min(most) } else { square };
             self.variance[i] += (square - self.variance[i]) / self.count;
         }
-        if self.count < KNOWN || self.sums[0] - self.sums[best] < CLEAR {
+        if self.count < KNOWN || self.sums[best] < CLEAR {
             return None;
         }
         let mean = |lower: bool| {
             let (mut sum, mut weights) = (0.0, 0.0);
             for (h, share) in SHARES.iter().enumerate().skip(1) {
                 if (*share < self.share) == lower {
-                    let weight = libm::exp(0.5 * (self.sums[best] - self.sums[h]));
+                    let weight = libm::exp(0.5 * (self.sums[h] - self.sums[best]));
                     sum += weight * share;
                     weights += weight;
                 }
@@ -148,7 +149,8 @@ impl Controller {
             && !self.setup.filter.as_ref().is_some_and(Filter::blind)
     }
 
-    /// Takes in how the car went on from `last` to `now` with an input, one period later.
+    /// Takes in how the car went on from `last` to `now` with an input, one period later. After a change
+    /// the problem is to be prepared anew.
     pub(crate) fn observe_road(&mut self, last: &State, now: &State, u: &Input) {
         let setup = &self.setup;
         let road = setup.track.friction(last.s);
@@ -173,7 +175,7 @@ impl Controller {
             let next = probe.next(last, u, setup.track.road());
             *residual = [now.v_y - next.v_y - wrong[1], now.omega_z - next.omega_z - wrong[2]];
         }
-        let model_error = setup.config.filter.model_error;
+        let model_error = 0.5 * setup.config.filter.model_error;
         let v =
             model_error * scales.speed * scales.speed / scales.length * setup.config.horizon.period;
         if !residuals.iter().flatten().all(|r| r.is_finite()) {
