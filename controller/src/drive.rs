@@ -104,7 +104,12 @@ impl Controller {
             return self.recover(x, status);
         }
         probe.begin(Phase::Solve);
-        let report = self.work.solve(&x_0, &mut self.memory);
+        let mut report = self.work.solve(&x_0, &mut self.memory);
+        if self.memory.road.fresh > 0 && report.status.usable() {
+            // The plan that the problem was linearised along was made for another road.
+            self.work.prepare(&self.setup, &self.memory, &mut ());
+            report = self.work.solve(&x_0, &mut self.memory);
+        }
         probe.end(Phase::Solve);
         status.solve = report.status;
         status.solver = Some(report.backend);

@@ -18,7 +18,7 @@ use crate::status::{Phase, Probe};
 const CAP_BRAKE: f64 = 0.5;
 
 /// Share of the brakes with which a plan slows down where the road is slippery.
-const ROAD_BRAKE: f64 = 0.9;
+const ROAD_BRAKE: f64 = 0.5;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;

@@ -28,6 +28,10 @@ const FORGET: f64 = 0.85;
 const MOST: f64 = 36.0;
 /// Evidence that brings a lower share into force, and a higher one.
 const CLEAR: f64 = 25.0;
+/// The same for a share with which the tyres could not have held what they held before.
+const SURE: f64 = 120.0;
+/// Steps for which a fall is fresh.
+const FRESH: u32 = 6;
 /// Lower by less than this is not told from the error of the model.
 const LEAST: f64 = 0.05;
 /// Of the lateral grip, what the car must use for its motion to tell the grip.
@@ -40,7 +44,7 @@ const KNOWN: f64 = 30.0;
 /// A residual counts up to so many standard deviations for them.
 const CLIP: f64 = 3.0;
 /// Periods before a fall was seen that it is taken to have lasted for.
-const BEFORE: usize = 6;
+const BEFORE: usize = 2;
 
 /// What is known of the road.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,6 +56,10 @@ pub(crate) struct Road {
     /// Variances of the residuals of v_y and omega_z with the share in force.
     variance: [f64; 2],
     count: f64,
+    /// Greatest use of the fitted grip since the last fall.
+    proved: f64,
+    /// Steps for which a fall is fresh.
+    pub(crate) fresh: u32,
     /// Where in the data another share began: lap, sample, share.
     pub(crate) changes: Vec<Change>,
 }
@@ -71,6 +79,8 @@ impl Default for Road {
             sums: [0.0; SHARES.len()],
             variance: [0.0; 2],
             count: 0.0,
+            proved: 0.0,
+            fresh: 0,
             changes: Vec::new(),
         }
     }
@@ -85,6 +95,9 @@ impl Road {
 
     /// Another share from this sample on.
     fn change(&mut self, share: f64, lap: usize, sample: usize) {
+        if share < self.share {
+            (self.fresh, self.proved, self.count) = (FRESH, 0.0, KNOWN);
+        }
         self.share = share;
         while self.changes.last().is_some_and(|last| (last.lap, last.sample) >= (lap, sample)) {
             self.changes.pop();
@@ -131,10 +144,12 @@ impl Road {
         };
         let lower = SHARES[best] < self.share;
         let wanted = mean(lower);
-        if lower && wanted < self.share - LEAST {
-            return Some(wanted);
+        if lower {
+            // What the tyres have held since the last fall they still hold, but for strong evidence.
+            let held = wanted > self.proved || self.sums[best] > SURE;
+            return (held && wanted < self.share - LEAST).then_some(wanted);
         }
-        (!lower && wanted > self.share).then(|| wanted.min(self.share + RISE))
+        (wanted > self.share).then(|| wanted.min(self.share + RISE))
     }
 }
 
@@ -156,12 +171,17 @@ impl Controller {
         let road = setup.track.friction(last.s);
         let scales = crate::derive::Scales::new(&setup.car);
         let share = self.memory.road.share;
-        let available = setup.model.model.grip[0].min(setup.model.model.grip[1])
+        let available = self.memory.grip[0].min(self.memory.grip[1])
             * setup.car.tyre_front.mu.min(setup.car.tyre_rear.mu)
             * GRAVITY
             * road;
-        if (last.v_x * last.omega_z).abs() < USED * available {
+        self.memory.road.fresh = self.memory.road.fresh.saturating_sub(1);
+        let used = (last.v_x * last.omega_z).abs() / available;
+        if used < USED {
             return;
+        }
+        if self.memory.road.fresh == 0 && share < 1.0 {
+            self.memory.road.proved = self.memory.road.proved.max(used);
         }
         let data = &self.memory.derived.regression;
         let scratch = &mut self.work.scratch;
