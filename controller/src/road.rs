@@ -20,8 +20,8 @@ use crate::controller::Controller;
 use crate::filter::Filter;
 use crate::learned_model;
 
-/// Hypotheses: shares of the fitted grip. The first place is that in force.
-const SHARES: [f64; 9] = [1.0, 1.0, 0.92, 0.84, 0.76, 0.68, 0.6, 0.5, 0.4];
+/// Hypotheses: factors on the share in force.
+const FACTORS: [f64; 9] = [1.0, 1.08, 0.96, 0.91, 0.84, 0.77, 0.68, 0.58, 0.46];
 /// What a period's evidence is worth one period later.
 const FORGET: f64 = 0.85;
 /// Most evidence of one row in one period.
@@ -32,8 +32,12 @@ const CLEAR: f64 = 25.0;
 const SURE: f64 = 120.0;
 /// Steps for which a fall is fresh.
 const FRESH: u32 = 6;
-/// Lower by less than this is not told from the error of the model.
+/// The same for a lower share where one is in force already.
+const CLEAR_AGAIN: f64 = 10.0;
+/// Lower by less than this share is not told from the error of the model.
 const LEAST: f64 = 0.05;
+/// The same where a lower share is in force already.
+const LEAST_AGAIN: f64 = 0.02;
 /// Of the lateral grip, what the car must use for its motion to tell the grip.
 const USED: f64 = 0.35;
 /// Share given back in one period.
@@ -52,7 +56,7 @@ pub(crate) struct Road {
     /// Share of the fitted grip in force.
     pub(crate) share: f64,
     /// G_h.
-    sums: [f64; SHARES.len()],
+    sums: [f64; FACTORS.len()],
     /// Variances of the residuals of v_y and omega_z with the share in force.
     variance: [f64; 2],
     count: f64,
@@ -76,7 +80,7 @@ impl Default for Road {
     fn default() -> Self {
         Self {
             share: 1.0,
-            sums: [0.0; SHARES.len()],
+            sums: [0.0; FACTORS.len()],
             variance: [0.0; 2],
             count: 0.0,
             proved: 0.0,
@@ -103,11 +107,11 @@ impl Road {
             self.changes.pop();
         }
         self.changes.push(Change { lap, sample, share });
-        self.sums = [0.0; SHARES.len()];
+        self.sums = [0.0; FACTORS.len()];
     }
 
     /// Takes in the residuals [v_y, omega_z] of each hypothesis; gives the share they ask for.
-    fn weigh(&mut self, residuals: &[[f64; 2]; SHARES.len()], floor: [f64; 2]) -> Option<f64> {
+    fn weigh(&mut self, residuals: &[[f64; 2]; FACTORS.len()], floor: [f64; 2]) -> Option<f64> {
         let variance: [f64; 2] = std::array::from_fn(|i| self.variance[i].max(floor[i] * floor[i]));
         let cost = |residual: &[f64; 2]| {
             let cost = |i: usize| (residual[i] * residual[i] / variance[i]).min(MOST);
@@ -117,7 +121,7 @@ impl Road {
         for (sum, residual) in self.sums.iter_mut().zip(residuals) {
             *sum = (FORGET * *sum + own - cost(residual)).max(0.0);
         }
-        let best = (0..SHARES.len()).fold(0, |best, h| {
+        let best = (0..FACTORS.len()).fold(0, |best, h| {
             if self.sums[h] > self.sums[best] { h } else { best }
         });
         self.count = (self.count + 1.0).min(MEMORY);
@@ -128,28 +132,28 @@ impl Road {
             let square = if self.count > KNOWN { square.min(most) } else { square };
             self.variance[i] += (square - self.variance[i]) / self.count;
         }
-        if self.count < KNOWN || self.sums[best] < CLEAR {
+        let lower = FACTORS[best] < 1.0;
+        let slippery = self.share < 1.0;
+        let clear = if lower && slippery { CLEAR_AGAIN } else { CLEAR };
+        if self.count < KNOWN || self.sums[best] < clear {
             return None;
         }
-        let mean = |lower: bool| {
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for (h, share) in SHARES.iter().enumerate().skip(1) {
-                if (*share < self.share) == lower {
-                    let weight = libm::exp(0.5 * (self.sums[h] - self.sums[best]));
-                    sum += weight * share;
-                    weights += weight;
-                }
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (h, factor) in FACTORS.iter().enumerate().skip(1) {
+            if (*factor < 1.0) == lower {
+                let weight = libm::exp(0.5 * (self.sums[h] - self.sums[best]));
+                sum += weight * factor;
+                weights += weight;
             }
-            sum / weights
-        };
-        let lower = SHARES[best] < self.share;
-        let wanted = mean(lower);
+        }
+        let wanted = self.share * (sum / weights);
         if lower {
+            let least = if slippery { LEAST_AGAIN } else { LEAST };
             // What the tyres have held since the last fall they still hold, but for strong evidence.
             let held = wanted > self.proved || self.sums[best] > SURE;
-            return (held && wanted < self.share - LEAST).then_some(wanted);
+            return (held && wanted < self.share * (1.0 - least)).then_some(wanted);
         }
-        (wanted > self.share).then(|| wanted.min(self.share + RISE))
+        slippery.then(|| wanted.min(self.share + RISE).min(1.0))
     }
 }
 
@@ -188,10 +192,9 @@ impl Controller {
         let (error, _) = learned_model::error(data, &setup.regression, 0, (last, u), scratch);
         let wrong = error.apply(&last.to_vector(), &u.to_vector());
         let probe: &mut Discretized = &mut self.work.probe;
-        let mut residuals = [[0.0; 2]; SHARES.len()];
+        let mut residuals = [[0.0; 2]; FACTORS.len()];
         for (h, residual) in residuals.iter_mut().enumerate() {
-            let tried = if h == 0 { share } else { SHARES[h] };
-            probe.model.grip = self.memory.grip.map(|grip| tried * grip);
+            probe.model.grip = self.memory.grip.map(|grip| share * FACTORS[h] * grip);
             let next = probe.next(last, u, setup.track.road());
             *residual = [now.v_y - next.v_y - wrong[1], now.omega_z - next.omega_z - wrong[2]];
         }
