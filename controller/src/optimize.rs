@@ -20,6 +20,11 @@ const CAP_BRAKE: f64 = 0.5;
 /// Share of the brakes with which a plan slows down where the road is slippery.
 const ROAD_BRAKE: f64 = 0.5;
 
+/// Standard deviations of the estimated place of the body that the lane is narrower on each side.
+const UNSURE: f64 = 2.0;
+/// Most that it is narrower, as a share of the track's width.
+const NARROWED: f64 = 0.1;
+
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
 
@@ -158,6 +163,7 @@ impl Workspace {
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         self.points.clear();
+        let unsure = unsure(setup, memory);
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
@@ -173,13 +179,14 @@ impl Workspace {
             if setup.config.limits.rear_load {
                 self.problem.rear_share[t] = slip::rear_share(&setup.car, next.v_x, u.a);
             }
-            let margin = setup.config.limits.lane_margin;
-            let [left, right] = match &self.outline {
+            let (left, right) = (setup.track.width_left(next.s), setup.track.width_right(next.s));
+            let margin = setup.config.limits.lane_margin + unsure.min(NARROWED * (left + right));
+            let [more_left, more_right] = match &self.outline {
                 Some(outline) => across(outline, next, setup.track.kappa(next.s)),
                 None => [0.0; 2],
             };
-            self.problem.e_y_max[t] = setup.track.width_left(next.s) - margin - left;
-            self.problem.e_y_min[t] = margin + right - setup.track.width_right(next.s);
+            self.problem.e_y_max[t] = left - margin - more_left;
+            self.problem.e_y_min[t] = margin + more_right - right;
         }
         self.bound_speed(setup, memory);
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
@@ -292,6 +299,13 @@ impl Workspace {
         let (error, support) = learned_model::error(data, &setup.regression, 0, (x, u), scratch);
         LearnedModel { nominal, error, support }
     }
+}
+
+/// Room beside the body that the estimate of the pose asks for \[m\].
+fn unsure(setup: &Setup, memory: &Memory) -> f64 {
+    let Some(p) = memory.estimate.covariance() else { return 0.0 };
+    let reach = 0.5 * setup.car.length;
+    UNSURE * (p[(5, 5)] + reach * reach * p[(3, 3)]).max(0.0).sqrt()
 }
 
 /// How much farther than half its width the body reaches to the left and to the right [m].
