@@ -106,7 +106,7 @@ impl Controller {
         }
         let last = self.memory.last.filter(|_| !self.memory.learning);
         let raw = self.memory.estimate.raw;
-        let driven = self.memory.last.filter(|_| self.watches_road());
+        let driven = self.memory.last.filter(|_| self.fits_grip());
         let sample = self.memory.dataset.current.samples.last();
         let acted = measurement.applied.or(sample.map(|sample| sample.u));
         let observed = observer.observe(&mut self.memory, measurement);
@@ -126,7 +126,10 @@ impl Controller {
             && self.memory.recovery.is_none()
         {
             let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now.state };
-            self.observe_road(&last.state, &to, &u);
+            self.observe_grip(&last.state, &to, &u);
+            if self.memory.learned {
+                self.observe_road(&last.state, &to, &u);
+            }
             // What was prepared before the measurement holds no more after a change of the grip.
             self.prepare_probed(probe);
         }

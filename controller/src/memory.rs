@@ -14,6 +14,7 @@ use crate::filter::Estimate;
 use crate::filter::Smoothing;
 use crate::lap_end::{Derived, LapEnd};
 use crate::learning::dataset::{Dataset, Lap};
+use crate::learning::grip_sums::GripSums;
 use crate::plan::Plan;
 use crate::recovery::Recovery;
 use crate::road::Road;
@@ -25,6 +26,8 @@ pub(crate) struct Memory {
     pub(crate) dataset: Dataset,
     /// Fitted factors on front and rear mu.
     pub(crate) grip: [f64; 2],
+    /// What noisy measurements say of the grip.
+    pub(crate) grip_sums: GripSums,
     /// What the road has of that grip now.
     pub(crate) road: Road,
     /// Number of the lap in progress; 0 before the line is first crossed.
@@ -92,6 +95,7 @@ impl Memory {
         let mut memory = Self {
             dataset: Dataset::default(),
             grip: [1.0; 2],
+            grip_sums: GripSums::default(),
             road: Road::default(),
             lap: 0,
             learning: false,

@@ -19,6 +19,7 @@ use crate::config::{NominalModel, RegressionMode};
 use crate::controller::Controller;
 use crate::filter::Filter;
 use crate::learned_model;
+use crate::learning::grip::SCALES;
 
 /// Hypotheses: factors on the share in force.
 const FACTORS: [f64; 9] = [1.0, 1.08, 0.96, 0.91, 0.84, 0.77, 0.68, 0.58, 0.46];
@@ -158,14 +159,29 @@ impl Road {
 }
 
 impl Controller {
-    /// Whether the grip of the road is watched.
-    pub(crate) fn watches_road(&self) -> bool {
+    /// Whether the grip is fitted, and that of the road watched.
+    pub(crate) fn fits_grip(&self) -> bool {
         let config = &self.setup.config;
-        self.memory.learned
-            && config.nominal.adapt_grip
+        config.nominal.adapt_grip
             && config.nominal.model == NominalModel::Dynamic
             && config.regression.mode == RegressionMode::Error
             && !self.setup.filter.as_ref().is_some_and(Filter::blind)
+    }
+
+    /// Takes in what a noisy measurement, one period after a filtered state, says of the grip.
+    pub(crate) fn observe_grip(&mut self, last: &State, now: &State, u: &Input) {
+        let (setup, memory) = (&self.setup, &mut self.memory);
+        let Some(filter) = setup.filter.as_ref().filter(|_| memory.estimate.filters()) else {
+            return;
+        };
+        let noise = filter.velocity_noise(&memory.estimate);
+        let variance = [0, 1, 2].map(|row| SCALES[row] * SCALES[row] + noise[row]);
+        let (share, grip, sums) = (memory.road.share, memory.grip, &mut memory.grip_sums);
+        let model = &setup.model;
+        model.grip_jacobians(&[(*last, *u)], &setup.track.road(), &mut |_, next, by_grip| {
+            let residual = [now.v_x - next[0], now.v_y - next[1], now.omega_z - next[2]];
+            sums.add(grip, residual, by_grip.map(|row| row.map(|j| share * j)), variance);
+        });
     }
 
     /// Takes in how the car went on from `last` to `now` with an input, one period later. After a change

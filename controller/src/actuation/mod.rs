@@ -204,6 +204,7 @@ impl Controller {
         memory.u_prev = positions.last().copied().unwrap_or_default();
         // All residuals are those of other inputs now.
         memory.grip = [1.0; 2];
+        memory.grip_sums = Default::default();
         self.setup.model.model.grip = memory.grip;
         memory.derived = Derived { made: true, ..Derived::default() };
         memory.lap_end.learned = 0;

@@ -199,6 +199,14 @@ impl Controller {
         if work.fitted || !nominal.adapt_grip || nominal.model != NominalModel::Dynamic {
             return self.begin_data();
         }
+        if self.memory.estimate.filters() {
+            if let Some(fitted) = self.memory.grip_sums.grip()
+                && grip::differ(fitted, self.memory.grip)
+            {
+                work.grip = fitted;
+            }
+            return self.begin_data();
+        }
         // A driver's laps are too slow and their noise is unknown: they say little of grip.
         let laps = self.memory.dataset.laps[..work.laps].iter().enumerate().rev();
         let own = laps.filter(|(_, lap)| lap.result.kind != LapKind::Driven);

@@ -18,7 +18,7 @@ const LATEST: usize = 1500;
 /// Samples used.
 const USED: usize = 256;
 /// Scales of the residuals of v_x, v_y [m/s] and omega_z [rad/s].
-const SCALES: [f64; 3] = [0.05, 0.05, 0.3];
+pub(crate) const SCALES: [f64; 3] = [0.05, 0.05, 0.3];
 /// Weight of the pull towards factor 1, for [`LATEST`] samples.
 const PULL: f64 = 0.1;
 /// The same where residuals are noise: slow laps say little of the grip, and noise would be taken

@@ -4,6 +4,7 @@ pub(crate) mod braking;
 pub mod dataset;
 pub(crate) mod envelope;
 pub(crate) mod grip;
+pub(crate) mod grip_sums;
 pub mod inverse;
 pub(crate) mod neighbors;
 pub mod regression;
