@@ -122,9 +122,8 @@ impl Road {
         for (sum, residual) in self.sums.iter_mut().zip(residuals) {
             *sum = (FORGET * *sum + own - cost(residual)).max(0.0);
         }
-        let best = (0..FACTORS.len()).fold(0, |best, h| {
-            if self.sums[h] > self.sums[best] { h } else { best }
-        });
+        let best = (0..FACTORS.len())
+            .fold(0, |best, h| if self.sums[h] > self.sums[best] { h } else { best });
         self.count = (self.count + 1.0).min(MEMORY);
         let [own, ..] = residuals;
         for i in 0..2 {
@@ -175,7 +174,8 @@ impl Controller {
             return;
         };
         let noise = filter.velocity_noise(&memory.estimate);
-        let variance = [0, 1, 2].map(|row| SCALES[row] * SCALES[row] + noise[row]);
+        // The filtered state has a part of the noise too.
+        let variance = [0, 1, 2].map(|row| SCALES[row] * SCALES[row] + 4.0 * noise[row]);
         let (share, grip, sums) = (memory.road.share, memory.grip, &mut memory.grip_sums);
         let model = &setup.model;
         model.grip_jacobians(&[(*last, *u)], &setup.track.road(), &mut |_, next, by_grip| {
