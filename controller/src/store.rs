@@ -11,7 +11,7 @@ use crate::error::DataError;
 use crate::learning::dataset::Lap;
 
 const MAGIC: &[u8; 8] = b"LMPCDATA";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -22,6 +22,8 @@ pub struct Learned {
     pub(crate) grip: [f64; 2],
     /// Delay and lag of the actuators where they were found.
     pub(crate) response: Option<Response>,
+    /// Ridge weight that the noise of the laps asks for.
+    pub(crate) ridge: f64,
     pub(crate) laps: Vec<Arc<Lap>>,
 }
 

@@ -25,11 +25,12 @@ use vehicle_model::{Input, Outline, State};
 use crate::actuation::Actuators;
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::{Controller, Setup};
-use crate::learning::dataset::{Lap, select};
+use crate::learning::dataset::{Lap, Sample, select};
 use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip::{self, Fit};
 use crate::learning::regression::{RegressionData, Target, leap_order};
 use crate::learning::road_speed::RoadSpeed;
+use crate::memory::Inherited;
 use crate::status::LapKind;
 
 /// Share of the fitted grip above which a road counts as having all of it.
@@ -287,7 +288,9 @@ impl Controller {
         }
         self.memory.learned |= self.memory.learning && work.laps == self.memory.dataset.laps.len();
         let asked = self.setup.filter.as_ref().map(|filter| filter.ridge(&self.memory.estimate));
-        self.memory.ridge = asked.unwrap_or_default();
+        let Inherited { laps, ridge } = self.memory.inherited;
+        let used = self.setup.first_lap(self.memory.lap_end.laps) < laps;
+        self.memory.ridge = asked.unwrap_or_default().max(if used { ridge } else { 0.0 });
         self.apply_learned();
         self.make_envelope();
     }
@@ -341,37 +344,47 @@ impl Setup {
         (grip, share): ([f64; 2], &dyn Fn(usize) -> f64),
         (points, targets): (&mut Vec<(State, Input)>, &mut Vec<[f64; 3]>),
     ) {
-        let order = || leap_order(lap.samples.len(), range.clone());
-        let known = order().filter_map(|i| Some((&lap.samples[i], lap.samples[i].next?)));
-        let shares = order().filter(|i| lap.samples[*i].next.is_some()).map(share);
+        let order = leap_order(lap.samples.len(), range);
+        let samples = order.map(|i| (&lap.samples[i], share(i)));
+        self.targets(samples, grip, points, targets);
+        for ((x, u), y) in points.iter().zip(targets) {
+            if y.iter().all(|v| v.is_finite()) {
+                data.add(Target::new(x, u, *y));
+            }
+        }
+    }
+
+    /// What the regression has to explain of the samples whose successor is known: in full mode their
+    /// next velocities, in error mode what the nominal model gets wrong of them with their share of
+    /// this grip.
+    pub(crate) fn targets<'a>(
+        &self,
+        samples: impl Iterator<Item = (&'a Sample, f64)>,
+        grip: [f64; 2],
+        points: &mut Vec<(State, Input)>,
+        targets: &mut Vec<[f64; 3]>,
+    ) {
         points.clear();
         targets.clear();
-        for (sample, next) in known {
+        let mut shares = Vec::new();
+        for (sample, share) in samples {
+            let Some(next) = sample.next else { continue };
             points.push((sample.x, sample.u));
             targets.push(next);
+            shares.push(share);
         }
         if self.config.regression.mode == RegressionMode::Error {
             let mut model = self.model.clone();
-            let (mut begin, mut shares) = (0, shares.peekable());
-            // What the model gets wrong with the grip that a sample was driven with.
-            while let Some(share) = shares.next() {
-                let mut end = begin + 1;
-                while shares.next_if_eq(&share).is_some() {
-                    end += 1;
-                }
-                model.model.grip = grip.map(|grip| share * grip);
-                let road = self.track.road();
+            let (mut begin, road) = (0, self.track.road());
+            for same in shares.chunk_by(|a, b| a == b) {
+                let end = begin + same.len();
+                model.model.grip = grip.map(|grip| same[0] * grip);
                 model.velocities_all(&points[begin..end], &road, &mut |i, expected| {
                     for (target, expected) in targets[begin + i].iter_mut().zip(expected) {
                         *target -= expected;
                     }
                 });
                 begin = end;
-            }
-        }
-        for ((x, u), y) in points.iter().zip(targets) {
-            if y.iter().all(|v| v.is_finite()) {
-                data.add(Target::new(x, u, *y));
             }
         }
     }
