@@ -192,6 +192,11 @@ fn account(race: &Race, known: Option<&Known>) -> Vec<String> {
         let text = format!("delay of {delay:.3} s and lag of {lag:.3} s found");
         lines.push(paint(WARN, &text));
     }
+    let share = race.controller().road_grip();
+    if share < 1.0 {
+        let text = format!("at the end the road had {:.0} % of the fitted grip", 100.0 * share);
+        lines.push(paint(WARN, &text));
+    }
     for incident in &race.incidents {
         lines.push(paint(WARN, &format!("recovered: {incident}")));
     }
@@ -269,6 +274,7 @@ fn summary(race: &Race, out: &Path, known: Option<&Known>) -> serde_json::Value 
         "incidents": race.incidents.iter().map(failed).collect::<Vec<_>>(),
         "fallbacks": fallbacks(&race.steps),
         "grip": race.controller().grip(),
+        "road_grip": race.controller().road_grip(),
         "delay_s": race.controller().response().delay,
         "lag_s": race.controller().response().lag,
         "out": out.display().to_string(),
