@@ -138,6 +138,34 @@ mod tests {
         assert!((reached.a - wanted.a).abs() < 1e-12);
     }
 
+    /// Positions that rise by 1 in each period, delayed and lagging: the mean over a period, integrated,
+    /// is that of the two positions which take the place of three.
+    #[test]
+    fn a_fraction_of_a_period_keeps_the_mean_delay() {
+        let (dt, steps) = (0.1, 20_000);
+        for (delay, lag) in [(0.13, 0.0), (0.04, 0.07), (0.06, 0.15), (0.18, 0.02)] {
+            let car = CarParams::builtin("barc").unwrap();
+            let actuators = Actuators::new(&car, dt, Response { delay, lag });
+            let share = if lag > 0.0 { -(-dt / lag).exp_m1() } else { 1.0 };
+            let position = |time: f64| {
+                let (from, since) = ((time / dt).floor(), time - (time / dt).floor() * dt);
+                let command = from + 1.0 / share;
+                if lag > 0.0 { command - (-since / lag).exp() / share } else { command }
+            };
+            let h = dt / f64::from(steps);
+            let period = 5.0 * dt;
+            let at = |i: u32| position(period + (f64::from(i) + 0.5) * h - delay);
+            let exact = (0..steps).map(at).sum::<f64>() / f64::from(steps);
+            // What was decided on last before the period leads from 5 to 6.
+            let late = actuators.periods() as f64;
+            let (from, to) = (5.0 - late, 6.0 - late);
+            let input = |a: f64| Input { a, delta: 0.0 };
+            let mean = actuators.mean(input(from), input(to)).a;
+            assert!((mean - exact).abs() < 1e-4, "{delay} {lag}: {mean} {exact}");
+            assert!((-NEARLY..1.0 - NEARLY).contains(&actuators.carried()), "{delay} {lag}");
+        }
+    }
+
     #[test]
     fn without_lag_the_command_is_what_is_wanted() {
         let car = CarParams { actuator_lag: 0.0, ..CarParams::builtin("barc").unwrap() };

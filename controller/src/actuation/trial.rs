@@ -119,9 +119,8 @@ impl Means {
         for i in 0..commands.len() {
             let (old, new) = (command(i, back), command(i + 1, back));
             for j in 0..parts {
-                let here = j as f64;
-                if here < cut || here > cut {
-                    let target = if here < cut { old } else { new };
+                if j != cut as usize {
+                    let target = if j < cut as usize { old } else { new };
                     inputs.push(whole.moved(&mut position, target));
                     continue;
                 }
