@@ -127,6 +127,9 @@ impl Controller {
         {
             let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now.state };
             self.observe_grip(&last.state, &to, &u);
+            if self.memory.learned && measurement.applied.is_none() {
+                self.observe_drift(&last.state, &to);
+            }
             if self.memory.learned {
                 self.observe_road(&last.state, &to, &u);
             }
@@ -135,7 +138,8 @@ impl Controller {
         }
         probe.end(Phase::Project);
         let road_grip = self.memory.road.share;
-        let mut status = Status { lap: self.memory.lap, road_grip, ..Status::default() };
+        let (lap, delay_change) = (self.memory.lap, self.delay_change());
+        let mut status = Status { lap, road_grip, delay_change, ..Status::default() };
         let wanted = match observed {
             Ok(observation) => self.drive(&observation, &mut status, probe),
             Err(reason) => self.hold_on(reason, &mut status),

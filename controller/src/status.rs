@@ -165,6 +165,9 @@ pub struct Status {
     pub data_support_mean: f64,
     /// Share of the fitted grip that the road has now, 1 for all of it: below 1 after a fall of grip.
     pub road_grip: f64,
+    /// How much later commands act than was estimated or configured, in whole periods; below 0 for sooner,
+    /// 0 while no change is clear \[s\].
+    pub delay_change: f64,
     /// Whether the input was cut to the car's limits.
     pub clipped: bool,
     /// The lap that this measurement finished.

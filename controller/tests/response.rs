@@ -63,3 +63,29 @@ fn nothing_is_found_where_nothing_is_late() {
         }
     }
 }
+
+#[test]
+fn a_delay_that_grows_while_the_car_races_is_reported() {
+    let car = CarParams::builtin("barc").unwrap();
+    let track = Arc::new(vehicle_model::Track::builtin("l").unwrap());
+    let config = Config::derived(Preset::Race, &car, &track);
+    let (period, fall) = (config.horizon.period, 100.0);
+    let start = State { v_x: config.warm_up.speed, ..State::default() };
+    let mut plant = Plant::new(PlantParams::new(car.clone()), Arc::clone(&track), start).unwrap();
+    let mut controller = Controller::new(config, car, track).unwrap();
+    let (mut before, mut reported) = (controller::Command::default().input, 0);
+    for n in 0..1600_u32 {
+        let time = f64::from(n) * period;
+        let pose = Pose::Frenet(plant.measure());
+        let command = controller.step(&Measurement { time, pose, applied: None });
+        let change = command.status.delay_change;
+        assert_eq!(change, controller.delay_change());
+        if time < fall {
+            assert_eq!(change, 0.0, "at {time} s nothing has changed");
+        }
+        reported += u32::from((change - period).abs() < 1e-9);
+        plant.apply(if time < fall { command.input } else { before }, period);
+        before = command.input;
+    }
+    assert!(reported > 50, "{reported} steps");
+}

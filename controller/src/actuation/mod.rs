@@ -5,6 +5,7 @@
 //! computers are late in ways that no car's file knows.
 
 mod actuators;
+mod drift;
 mod search;
 mod trial;
 
@@ -17,6 +18,7 @@ use crate::controller::{Controller, Setup};
 use crate::lap_end::Derived;
 
 pub(crate) use actuators::Actuators;
+use drift::Drift;
 use search::Search;
 pub use trial::Response;
 use trial::{Commanded, Trial};
@@ -43,6 +45,8 @@ pub(crate) struct Actuation {
     reported: bool,
     /// What is in force in place of the car's file.
     found: Option<Response>,
+    /// A change of the delay since.
+    drift: Drift,
 }
 
 /// The decision in the making.
