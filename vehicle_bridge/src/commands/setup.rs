@@ -9,12 +9,8 @@ use vehicle_model::{CarParams, PlantParams, Track, TrackError};
 use crate::cli::ControllerArgs;
 use crate::console::{SOFT, Talk, WARN, paint};
 use hosting::load;
-use hosting::settings::{Layers, Usage};
-use racing::{ModelErrorAt, RaceOptions, change_plant};
-
-/// The small car drives with less grip than its controller assumes (the paper's mismatch).
-pub(super) const SMALL_CAR: &str = "barc";
-const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
+use hosting::settings::Layers;
+use racing::{ModelErrorAt, RaceOptions, change_plant, nominal};
 
 /// Most changes of a track that are listed before a race.
 const MOST_CHANGES: usize = 5;
@@ -58,19 +54,6 @@ pub(super) fn assemble(
         plant,
         model_error: ModelErrorAt::Now,
         ..RaceOptions::new(config, nominal, track)
-    })
-}
-
-/// The car a controller believes in: with the given grip, or by default with the paper's for the small
-/// car and its own for any other.
-pub(super) fn nominal(name: &str, car: CarParams, mu: Option<f64>) -> Result<CarParams> {
-    let default_mu = (name == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
-    Ok(match mu.or(default_mu) {
-        Some(mu) if !(mu > 0.0 && mu.is_finite()) => {
-            bail!(Usage(format!("--nominal-mu {mu}: expected a number above 0")))
-        }
-        Some(mu) => car.with_mu(mu),
-        None => car,
     })
 }
 
