@@ -18,6 +18,7 @@ test:
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
+	python/test.sh
 	$(MAKE) fmu-test
 
 # Unit tests, the two core crates, the source tree and the documents: no packages, no network.

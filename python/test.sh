@@ -13,4 +13,4 @@ PATH=$bin:$PATH maturin build --quiet --locked --release --compatibility linux \
 "$bin/pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
 cargo build --quiet --locked --release -p vehicle_bridge --bin lmpc
 cd python
-LMPC=$target/release/lmpc "$bin/python" -m pytest -q -p no:cacheprovider "$@"
+LMPC=$target/release/lmpc "$bin/pytest" -q -p no:cacheprovider "$@"

@@ -12,12 +12,40 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
-Path: TypeAlias = str | PathLike[str]
-CarLike: TypeAlias = Car | Path
-TrackLike: TypeAlias = Track | Path
-ConfigLike: TypeAlias = Config | dict[str, Any]
-Changes: TypeAlias = dict[str, float] | str
+_Floats: TypeAlias = NDArray[np.float64]
+_Path: TypeAlias = str | PathLike[str]
+_CarLike: TypeAlias = Car | _Path
+_TrackLike: TypeAlias = Track | _Path
+_ConfigLike: TypeAlias = Config | dict[str, Any]
+_Changes: TypeAlias = dict[str, float] | str
+
+__all__ = [
+    "Car",
+    "CarError",
+    "Config",
+    "ConfigError",
+    "Controller",
+    "ControllerState",
+    "DataError",
+    "Error",
+    "FailureRule",
+    "LapResult",
+    "LearnedModel",
+    "Optimum",
+    "OptimumError",
+    "Plan",
+    "Plant",
+    "PlantState",
+    "Race",
+    "RaceError",
+    "SafeSet",
+    "Status",
+    "Track",
+    "TrackError",
+    "__version__",
+    "optimum",
+    "race",
+]
 
 __version__: str
 
@@ -50,7 +78,7 @@ class Track:
     Tracks are equal if their geometry is; they can be pickled.
     """
 
-    def __new__(cls, name: Path) -> Track:
+    def __new__(cls, name: _Path) -> Track:
         """A track that ships with the package, or a file in any format that ``lmpc`` reads.
 
         Points of a file are smoothed as their noise asks for; see `changes`.
@@ -135,34 +163,34 @@ class Track:
     def changes(self) -> list[str]:
         """What the import changed of a file's points, in sentences."""
 
-    def wrap(self, s: ArrayLike) -> Floats:
+    def wrap(self, s: ArrayLike) -> _Floats:
         """Progress brought into [0, L) [m]."""
 
-    def kappa(self, s: ArrayLike) -> Floats:
+    def kappa(self, s: ArrayLike) -> _Floats:
         """Curvature of the centre line, positive to the left [1/m]."""
 
-    def width_left(self, s: ArrayLike) -> Floats:
+    def width_left(self, s: ArrayLike) -> _Floats:
         """Distance from the centre line to the left edge [m]."""
 
-    def width_right(self, s: ArrayLike) -> Floats:
+    def width_right(self, s: ArrayLike) -> _Floats:
         """Distance from the centre line to the right edge [m]."""
 
-    def heading(self, s: ArrayLike) -> Floats:
+    def heading(self, s: ArrayLike) -> _Floats:
         """Heading of the centre line, continuous along the lap [rad]."""
 
-    def position(self, s: ArrayLike, e_y: float = 0.0) -> Floats:
+    def position(self, s: ArrayLike, e_y: float = 0.0) -> _Floats:
         """Places `e_y` [m] to the left of the centre line: x, y as the last axis (..., 2) [m]."""
 
-    def left_edge(self, s: ArrayLike) -> Floats:
+    def left_edge(self, s: ArrayLike) -> _Floats:
         """Places of the left edge (..., 2) [m]."""
 
-    def right_edge(self, s: ArrayLike) -> Floats:
+    def right_edge(self, s: ArrayLike) -> _Floats:
         """Places of the right edge (..., 2) [m]."""
 
-    def to_global(self, x: ArrayLike) -> Floats:
+    def to_global(self, x: ArrayLike) -> _Floats:
         """The global state (6,) of a state (6,)."""
 
-    def to_frenet(self, g: ArrayLike, hint: float | None = None) -> Floats:
+    def to_frenet(self, g: ArrayLike, hint: float | None = None) -> _Floats:
         """The state (6,) of a global state (6,). `hint`: the s of the step before [m]."""
 
     def problems_for(self, car: Car) -> list[str]:
@@ -178,7 +206,7 @@ class Track:
 class Car:
     """All parameters of a car, by the keys of its file. Cars can be compared and pickled."""
 
-    def __new__(cls, name: Path) -> Car:
+    def __new__(cls, name: _Path) -> Car:
         """A car that ships with the package, or a car file.
 
         Raises:
@@ -244,7 +272,7 @@ class Config:
     def __new__(
         cls,
         preset: str | None = None,
-        file: Path | None = None,
+        file: _Path | None = None,
         keys: dict[str, Any] | None = None,
     ) -> Config:
         """A file, over it a preset (``race`` or ``paper``), over it keys such as
@@ -257,10 +285,10 @@ class Config:
     def set(self, key: str, value: Any) -> Config:
         """Sets one key, e.g. ``set("regression.mode", "full")``; returns the configuration."""
 
-    def values(self, car: CarLike, track: TrackLike) -> dict[str, Any]:
+    def values(self, car: _CarLike, track: _TrackLike) -> dict[str, Any]:
         """Every key with its value for a controller that believes in this car, on this track."""
 
-    def origins(self, car: CarLike, track: TrackLike) -> dict[str, str]:
+    def origins(self, car: _CarLike, track: _TrackLike) -> dict[str, str]:
         """Every key with where its value comes from."""
 
     def copy(self) -> Config:
@@ -316,7 +344,7 @@ class Status:
         """Number of the current lap, from 1."""
 
     @property
-    def state(self) -> Floats:
+    def state(self) -> _Floats:
         """State that the step used (6,)."""
 
     @property
@@ -369,11 +397,11 @@ class Plan:
     """The plan of a step."""
 
     @property
-    def x(self) -> Floats:
+    def x(self) -> _Floats:
         """States (N + 1, 6); (0, 6) before learning begins."""
 
     @property
-    def u(self) -> Floats:
+    def u(self) -> _Floats:
         """Inputs (N, 2)."""
 
 @final
@@ -381,15 +409,15 @@ class SafeSet:
     """The safe set of a step's problem: recorded states near the end of the horizon."""
 
     @property
-    def points(self) -> Floats:
+    def points(self) -> _Floats:
         """States (n, 6)."""
 
     @property
-    def cost_to_go(self) -> Floats:
+    def cost_to_go(self) -> _Floats:
         """Periods each of them took to the line, least first subtracted (n,) [steps]."""
 
     @property
-    def weights(self) -> Floats:
+    def weights(self) -> _Floats:
         """Weights lambda in the solution (n,)."""
 
 @final
@@ -398,15 +426,15 @@ class LearnedModel:
     C (6,)."""
 
     @property
-    def nominal(self) -> tuple[Floats, Floats, Floats]:
+    def nominal(self) -> tuple[_Floats, _Floats, _Floats]:
         """Linearised nominal model A^f, B^f, C^f."""
 
     @property
-    def error(self) -> tuple[Floats, Floats, Floats]:
+    def error(self) -> tuple[_Floats, _Floats, _Floats]:
         """Regressed error A^e, B^e, C^e."""
 
     @property
-    def sum(self) -> tuple[Floats, Floats, Floats]:
+    def sum(self) -> tuple[_Floats, _Floats, _Floats]:
         """Their sum."""
 
     @property
@@ -425,7 +453,7 @@ class Controller:
     """
 
     def __new__(
-        cls, car: CarLike, track: TrackLike, config: ConfigLike | None = None
+        cls, car: _CarLike, track: _TrackLike, config: _ConfigLike | None = None
     ) -> Controller:
         """A controller that believes in this car (see `Car.nominal`) and knows nothing else.
 
@@ -435,7 +463,7 @@ class Controller:
 
     def step(
         self, x: ArrayLike, time: float | None = None, applied: ArrayLike | None = None
-    ) -> tuple[Floats, Status]:
+    ) -> tuple[_Floats, Status]:
         """Reads a measured state and returns the input for the coming period; never fails on
         what was measured.
 
@@ -450,7 +478,7 @@ class Controller:
 
     def step_global(
         self, g: ArrayLike, time: float | None = None, applied: ArrayLike | None = None
-    ) -> tuple[Floats, Status]:
+    ) -> tuple[_Floats, Status]:
         """`step` with a global state (6,), which is projected onto the track."""
 
     def prepare(self) -> None:
@@ -513,10 +541,10 @@ class Controller:
             DataError: damaged, or of another car, track or configuration; nothing is changed.
         """
 
-    def save_file(self, path: Path) -> None:
+    def save_file(self, path: _Path) -> None:
         """Writes what was learned; an earlier file stays as ``.bak``."""
 
-    def load_file(self, path: Path) -> None:
+    def load_file(self, path: _Path) -> None:
         """`load` from a file."""
 
     @property
@@ -536,10 +564,10 @@ class Plant:
 
     def __new__(
         cls,
-        car: CarLike,
-        track: TrackLike,
+        car: _CarLike,
+        track: _TrackLike,
         x: ArrayLike | None = None,
-        changes: Changes | None = None,
+        changes: _Changes | None = None,
         seed: int = 0,
         substep: float | None = None,
     ) -> Plant:
@@ -557,19 +585,19 @@ class Plant:
     def apply(self, u: ArrayLike, dt: float) -> None:
         """Drives with an input (2,) for `dt` [s]."""
 
-    def measure(self) -> Floats:
+    def measure(self) -> _Floats:
         """What the sensors say now: a state (6,), s in [0, L). Noise is drawn with each call."""
 
     @property
-    def truth(self) -> Floats:
+    def truth(self) -> _Floats:
         """The true state (6,), s in [0, L)."""
 
     @property
-    def pose(self) -> Floats:
+    def pose(self) -> _Floats:
         """The true global state (6,)."""
 
     @property
-    def applied(self) -> Floats:
+    def applied(self) -> _Floats:
         """The input (2,) that acted last, after delay, lag and limits."""
 
     @property
@@ -617,9 +645,9 @@ class FailureRule:
 
     def __new__(
         cls,
-        car: CarLike,
-        track: TrackLike,
-        config: ConfigLike | None = None,
+        car: _CarLike,
+        track: _TrackLike,
+        config: _ConfigLike | None = None,
         body: bool | None = None,
     ) -> FailureRule:
         """The rule for a car on a track. `body`: whether its whole body has to stay inside, or
@@ -649,15 +677,15 @@ class Race:
         """The columns of ``trajectory.csv``, an array (steps,) each; units end the names."""
 
     @property
-    def x(self) -> Floats:
+    def x(self) -> _Floats:
         """True states (steps, 6)."""
 
     @property
-    def u(self) -> Floats:
+    def u(self) -> _Floats:
         """Inputs (steps, 2)."""
 
     @property
-    def step_times(self) -> dict[str, Floats]:
+    def step_times(self) -> dict[str, _Floats]:
         """Times of the steps, whole (``step``) and by phase, (steps,) each [s]."""
 
     @property
@@ -677,7 +705,7 @@ class Race:
     def learned(self) -> bytes:
         """What was learned, for `Controller.load` or another race."""
 
-    def save_file(self, path: Path) -> None:
+    def save_file(self, path: _Path) -> None:
         """Writes what was learned; an earlier file stays as ``.bak``."""
 
     @property
@@ -692,21 +720,21 @@ class Race:
     def track(self) -> Track:
         """The track."""
 
-    def write(self, folder: Path) -> None:
+    def write(self, folder: _Path) -> None:
         """Writes ``laps.csv``, ``trajectory.csv`` and ``timings.csv`` as ``lmpc race`` does."""
 
 def race(
-    car: CarLike | None = None,
-    track: TrackLike | None = None,
-    config: ConfigLike | None = None,
+    car: _CarLike | None = None,
+    track: _TrackLike | None = None,
+    config: _ConfigLike | None = None,
     *,
     laps: int = 20,
     seed: int = 0,
-    plant: Changes | None = None,
+    plant: _Changes | None = None,
     nominal_mu: float | None = None,
     body: bool | None = None,
     recover: bool = False,
-    learned: bytes | Path | None = None,
+    learned: bytes | _Path | None = None,
     on_lap: Callable[[dict[str, Any]], object] | None = None,
 ) -> Race:
     """Races the simulated car: ``lmpc race`` with the same options, to the same bits.
@@ -745,15 +773,15 @@ class Optimum:
         """Distance that the centre of gravity keeps from either edge [m]."""
 
     @property
-    def time(self) -> Floats:
+    def time(self) -> _Floats:
         """Time since the line at each point (n,) [s]."""
 
     @property
-    def x(self) -> Floats:
+    def x(self) -> _Floats:
         """States (n, 6); the first is repeated at the end, one lap later."""
 
     @property
-    def u(self) -> Floats:
+    def u(self) -> _Floats:
         """Inputs that act (n, 2)."""
 
     @property
@@ -761,7 +789,7 @@ class Optimum:
         """How good it is: deviation of the plant, optimality, mesh, starts."""
 
 def optimum(
-    car: CarLike, track: TrackLike, margin: float | None = None, starts: int = 3
+    car: _CarLike, track: _TrackLike, margin: float | None = None, starts: int = 3
 ) -> Optimum:
     """Finds the time-optimal lap of a car on a track, confirmed by the simulated car.
 

@@ -8,7 +8,12 @@ use vehicle_model::CarParams;
 use crate::config::literal;
 use crate::errors::{CarError, raise};
 
-/// All parameters of a car.
+/// All parameters of a car, by the keys of its file. Cars can be compared and pickled.
+///
+/// A car that ships with the package, or a car file.
+///
+/// Raises:
+///     CarError: there is no such car, or the file is wrong.
 #[pyclass(frozen, from_py_object, module = "racing_lmpc")]
 #[derive(Clone)]
 pub(crate) struct Car {
@@ -41,20 +46,24 @@ impl Car {
         Ok(Self { inner, given })
     }
 
+    /// Names of the cars that ship with the package.
     #[staticmethod]
     fn names() -> Vec<&'static str> {
         CarParams::builtin_names().to_vec()
     }
 
+    /// The car of a file's text.
     #[staticmethod]
     fn from_toml(text: &str) -> PyResult<Self> {
         Self::read(text, String::new())
     }
 
+    /// The text of a car file with every key, each with unit and meaning.
     fn to_toml(&self) -> String {
         self.inner.to_toml()
     }
 
+    /// This car with other values, e.g. ``{"mass_kg": 3.0, "tyre_front.mu": 0.8}``.
     fn with_keys(&self, keys: &Bound<'_, PyDict>) -> PyResult<Self> {
         let mut lines: Vec<String> = self.inner.to_toml().lines().map(str::to_owned).collect();
         for (key, value) in keys {
@@ -66,47 +75,57 @@ impl Car {
         Self::read(&lines.join("\n"), self.given.clone())
     }
 
+    /// This car with the same friction coefficient on both axles [-].
     fn with_mu(&self, mu: f64) -> PyResult<Self> {
         let inner = racing::nominal("", self.inner.clone(), Some(mu)).map_err(raise::<CarError>)?;
         Ok(Self { inner, given: self.given.clone() })
     }
 
+    /// The car a controller believes in: with the friction `mu` [-], or by default with the
+    /// paper's 1.2 for the car `barc` and its own for every other, as in ``lmpc race``.
     #[pyo3(signature = (mu = None))]
     fn nominal(&self, mu: Option<f64>) -> PyResult<Self> {
         let inner = racing::nominal(&self.given, self.inner.clone(), mu);
         Ok(Self { inner: inner.map_err(raise::<CarError>)?, given: self.given.clone() })
     }
 
+    /// Name in reports.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
     }
 
+    /// Mass [kg].
     #[getter]
     fn mass(&self) -> f64 {
         self.inner.mass
     }
 
+    /// Distance between the axles [m].
     #[getter]
     fn wheelbase(&self) -> f64 {
         self.inner.wheelbase()
     }
 
+    /// Length and width of the body [m].
     #[getter]
     fn size(&self) -> (f64, f64) {
         (self.inner.length, self.inner.width)
     }
 
+    /// Friction coefficient of front and rear axle [-].
     #[getter]
     fn mu(&self) -> (f64, f64) {
         (self.inner.tyre_front.mu, self.inner.tyre_rear.mu)
     }
 
+    /// Strongest braking (negative) and driving command [m/s^2], steering stop [rad].
     #[getter]
     fn limits(&self) -> (f64, f64, f64) {
         (self.inner.a_min, self.inner.a_max, self.inner.delta_max)
     }
 
+    /// Hash of every number, the same on every machine.
     #[getter]
     fn fingerprint(&self) -> u64 {
         self.inner.fingerprint()

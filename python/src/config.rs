@@ -13,7 +13,13 @@ use crate::car::Car;
 use crate::errors::{ConfigError, raise};
 use crate::track::Track;
 
-/// What is set of a configuration; the rest follows from car and track.
+/// What is set of a configuration. The rest follows from the preset, the car and the track.
+///
+/// A file, over it a preset (``race`` or ``paper``), over it keys such as
+/// ``{"horizon.steps": 12}``.
+///
+/// Raises:
+///     ConfigError: a key or a value is not allowed.
 #[pyclass(from_py_object, module = "racing_lmpc")]
 #[derive(Clone, Default)]
 pub(crate) struct Config {
@@ -96,6 +102,7 @@ impl Config {
         Ok(config)
     }
 
+    /// Sets one key, e.g. ``set("regression.mode", "full")``; returns the configuration.
     fn set<'py>(
         mut this: PyRefMut<'py, Self>,
         key: String,
@@ -106,6 +113,7 @@ impl Config {
         Ok(this)
     }
 
+    /// Every key with its value for a controller that believes in this car, on this track.
     fn values<'py>(
         &self,
         py: Python<'py>,
@@ -115,6 +123,7 @@ impl Config {
         self.each(py, car, track, |value, _| value)
     }
 
+    /// Every key with where its value comes from.
     fn origins<'py>(
         &self,
         py: Python<'py>,
@@ -124,6 +133,7 @@ impl Config {
         self.each(py, car, track, |_, origin| origin)
     }
 
+    /// A copy that changes on its own.
     fn copy(&self) -> Self {
         self.clone()
     }

@@ -14,14 +14,27 @@ use crate::config::Config;
 use crate::errors::{ConfigError, OptimumError, raise};
 use crate::track::Track;
 
-/// A time-optimal lap.
+/// A time-optimal lap: what no driver and no controller can beat.
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct Optimum {
     inner: Inner,
+    /// Distance that the centre of gravity keeps from either edge [m].
     #[pyo3(get)]
     margin: f64,
 }
 
+/// Finds the time-optimal lap of a car on a track, confirmed by the simulated car.
+///
+/// Releases the interpreter's lock.
+///
+/// Args:
+///     car: the car.
+///     track: the track.
+///     margin: distance from the edges [m]; by default that of a race.
+///     starts: starts that are tried, 1 to 4.
+///
+/// Raises:
+///     OptimumError: no lap was found.
 #[pyfunction]
 #[pyo3(signature = (car, track, margin = None, starts = 3))]
 pub(crate) fn optimum(
@@ -50,27 +63,32 @@ pub(crate) fn optimum(
 
 #[pymethods]
 impl Optimum {
+    /// Lap time [s].
     #[getter]
     fn lap_time(&self) -> f64 {
         self.inner.lap_time
     }
 
+    /// Time since the line at each point (n,) [s].
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let times: Vec<f64> = self.inner.points.iter().map(|point| point.time).collect();
         times.into_pyarray(py)
     }
 
+    /// States (n, 6); the first is repeated at the end, one lap later.
     #[getter]
     fn x<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, self.inner.points.iter().map(|point| state_numbers(&point.x)))
     }
 
+    /// Inputs that act (n, 2).
     #[getter]
     fn u<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, self.inner.points.iter().map(|point| [point.u.a, point.u.delta]))
     }
 
+    /// How good it is: deviation of the plant, optimality, mesh, starts.
     #[getter]
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let quality = &self.inner.quality;

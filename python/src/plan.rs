@@ -7,11 +7,13 @@ use vehicle_model::{Input, State};
 
 use crate::arrays::{rows, state_numbers};
 
-/// The plan of the last step.
+/// The plan of a step.
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct Plan {
+    /// States (N + 1, 6); (0, 6) before learning begins.
     #[pyo3(get)]
     x: Py<PyArray2<f64>>,
+    /// Inputs (N, 2).
     #[pyo3(get)]
     u: Py<PyArray2<f64>>,
 }
@@ -25,13 +27,16 @@ pub(crate) fn plan(py: Python<'_>, controller: &Controller) -> PyResult<Plan> {
     })
 }
 
-/// The safe set of the last problem.
+/// The safe set of a step's problem: recorded states near the end of the horizon.
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct SafeSet {
+    /// States (n, 6).
     #[pyo3(get)]
     points: Py<PyArray2<f64>>,
+    /// Periods each of them took to the line, least first subtracted (n,) [steps].
     #[pyo3(get)]
     cost_to_go: Py<PyArray1<f64>>,
+    /// Weights lambda in the solution (n,).
     #[pyo3(get)]
     weights: Py<PyArray1<f64>>,
 }
@@ -47,7 +52,8 @@ pub(crate) fn safe_set(py: Python<'_>, controller: &Controller) -> PyResult<Safe
     })
 }
 
-/// The model around a point, x_plus = A x + B u + C, in its parts.
+/// The model around a point, x_plus = A x + B u + C, in its parts: each A (6, 6), B (6, 2),
+/// C (6,).
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct LearnedModel(InnerModel);
 
@@ -70,21 +76,25 @@ fn matrices<'py>(py: Python<'py>, model: &Affine) -> PyResult<Matrices<'py>> {
 
 #[pymethods]
 impl LearnedModel {
+    /// Linearised nominal model A^f, B^f, C^f.
     #[getter]
     fn nominal<'py>(&self, py: Python<'py>) -> PyResult<Matrices<'py>> {
         matrices(py, &self.0.nominal)
     }
 
+    /// Regressed error A^e, B^e, C^e.
     #[getter]
     fn error<'py>(&self, py: Python<'py>) -> PyResult<Matrices<'py>> {
         matrices(py, &self.0.error)
     }
 
+    /// Their sum.
     #[getter]
     fn sum<'py>(&self, py: Python<'py>) -> PyResult<Matrices<'py>> {
         matrices(py, &self.0.sum())
     }
 
+    /// Sum of the kernel weights behind the error.
     #[getter]
     fn support(&self) -> f64 {
         self.0.support

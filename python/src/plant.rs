@@ -13,7 +13,17 @@ use crate::car::Car;
 use crate::errors::{CarError, Error, raise};
 use crate::track::Track;
 
-/// The simulated car.
+/// The simulated car: own integrator, slow and late actuators, noisy sensors.
+///
+/// A car on a track.
+///
+/// Args:
+///     car: the true car.
+///     track: the track.
+///     x: state (6,) at the start; by default at rest on the line.
+///     changes: as in ``lmpc race --plant``, e.g. ``{"mu": 0.7, "delay": 0.1}``.
+///     seed: of sensor noise and disturbances.
+///     substep: longest step of the integration [s]; 0.01 by default.
 #[pyclass(module = "racing_lmpc")]
 pub(crate) struct Plant {
     inner: Inner,
@@ -85,6 +95,7 @@ impl Plant {
         Ok(Self { inner, outline, track, car })
     }
 
+    /// Drives with an input (2,) for `dt` [s].
     fn apply(&mut self, py: Python<'_>, u: &Bound<'_, PyAny>, dt: f64) -> PyResult<()> {
         let u = input(u)?;
         let inner = &mut self.inner;
@@ -92,61 +103,74 @@ impl Plant {
         Ok(())
     }
 
+    /// What the sensors say now: a state (6,), s in [0, L). Noise is drawn with each call.
     fn measure<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         from_state(py, &self.inner.measure())
     }
 
+    /// The true state (6,), s in [0, L).
     #[getter]
     fn truth<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         from_state(py, &self.inner.truth())
     }
 
+    /// The true global state (6,).
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         from_global(py, &self.inner.global())
     }
 
+    /// The input (2,) that acted last, after delay, lag and limits.
     #[getter]
     fn applied<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         from_input(py, &self.inner.applied())
     }
 
+    /// Share of each axle's peak force in use, front and rear [-].
     #[getter]
     fn utilisation(&self) -> (f64, f64) {
         let [front, rear] = self.inner.utilisation();
         (front, rear)
     }
 
+    /// How far the body is beyond an edge; negative inside [m].
     #[getter]
     fn overhang(&self) -> f64 {
         self.outline.overhang(self.inner.track(), &self.inner.truth())
     }
 
+    /// Time since the start [s].
     #[getter]
     fn time(&self) -> f64 {
         self.inner.time()
     }
 
+    /// Way along the track, growing over the laps [m].
     #[getter]
     fn progress(&self) -> f64 {
         self.inner.progress()
     }
 
+    /// Times that the line was crossed.
     #[getter]
     fn lap(&self) -> i64 {
         self.inner.lap()
     }
 
+    /// The true car, with the changes.
     #[getter]
     fn car(&self, py: Python<'_>) -> Py<Car> {
         self.car.clone_ref(py)
     }
 
+    /// The track.
     #[getter]
     fn track(&self, py: Python<'_>) -> Py<Track> {
         self.track.clone_ref(py)
     }
 
+    /// Back to time 0 in a state (6,), with fresh actuators and the noise of `seed` or of the
+    /// seed before.
     #[pyo3(signature = (x = None, seed = None))]
     fn reset(&mut self, x: Option<&Bound<'_, PyAny>>, seed: Option<u64>) -> PyResult<()> {
         let start = x.map(state).transpose()?.unwrap_or_else(State::default);
@@ -157,11 +181,13 @@ impl Plant {
         Ok(())
     }
 
+    /// All that changes, to go back to with `restore`.
     #[getter]
     fn state(&self) -> PlantState {
         PlantState(self.inner.state().clone())
     }
 
+    /// Goes on from a state of a plant with the same parameters.
     fn restore(&mut self, state: &PlantState) {
         self.inner.restore(state.0.clone());
     }

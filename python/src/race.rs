@@ -35,6 +35,7 @@ pub(crate) struct Race {
     learned: Learned,
     grip: [f64; 2],
     delay: usize,
+    /// The track.
     #[pyo3(get)]
     track: Py<Track>,
     lap_table: PyOnceLock<Py<PyDict>>,
@@ -73,6 +74,27 @@ impl Start {
     car = None, track = None, config = None, *, laps = 20, seed = 0, plant = None,
     nominal_mu = None, body = None, recover = false, learned = None, on_lap = None
 ))]
+/// Races the simulated car: ``lmpc race`` with the same options, to the same bits.
+///
+/// Releases the interpreter's lock, so that threads race side by side. Ctrl-C ends it at the end
+/// of a lap.
+///
+/// Args:
+///     car: ``barc`` by default.
+///     track: ``l`` by default.
+///     config: a `Config`, or keys such as ``{"horizon.steps": 12}``.
+///     laps: laps to drive after the warm-up laps.
+///     seed: of the warm-up laps, the sensor noise and the disturbances.
+///     plant: changes of the simulated car, e.g. ``{"mu": 0.7, "delay": 0.1}``.
+///     nominal_mu: friction the controller believes in; see `Car.nominal` [-].
+///     body: whether the whole body has to stay inside, or only the centre of gravity.
+///     recover: whether the car drives back after a failure and races on.
+///     learned: learned data to start from, as bytes or as a file.
+///     on_lap: called with each lap as a dictionary as it ends; what it raises ends the race.
+///
+/// Raises:
+///     CarError, TrackError, ConfigError, DataError, RaceError: it cannot begin. A car that fails
+///         under way is no exception: see `Race.failure`.
 #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
 pub(crate) fn race(
     py: Python<'_>,
@@ -167,28 +189,33 @@ fn failure<'py>(py: Python<'py>, failure: &Failure) -> PyResult<Bound<'py, PyDic
 
 #[pymethods]
 impl Race {
+    /// The columns of ``laps.csv``, an array (laps,) each.
     #[getter]
     fn laps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let make = || table::columns(py, columns::LAPS, &self.laps).map(Bound::unbind);
         Ok(self.lap_table.get_or_try_init(py, make)?.bind(py).clone())
     }
 
+    /// The columns of ``trajectory.csv``, an array (steps,) each; units end the names.
     #[getter]
     fn trajectory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let make = || table::columns(py, columns::STEPS, &self.steps).map(Bound::unbind);
         Ok(self.step_table.get_or_try_init(py, make)?.bind(py).clone())
     }
 
+    /// True states (steps, 6).
     #[getter]
     fn x<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, self.steps.iter().map(|step| state_numbers(&step.x)))
     }
 
+    /// Inputs (steps, 2).
     #[getter]
     fn u<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, self.steps.iter().map(|step| [step.u.a, step.u.delta]))
     }
 
+    /// Times of the steps, whole (``step``) and by phase, (steps,) each [s].
     #[getter]
     fn step_times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
@@ -201,22 +228,27 @@ impl Race {
         Ok(all)
     }
 
+    /// Fastest valid learned lap [s].
     #[getter]
     fn best_lap(&self) -> Option<f64> {
         let valid = self.laps.iter().filter(|lap| lap.is_learning() && lap.result.valid);
         valid.map(|lap| lap.result.lap_time).min_by(f64::total_cmp)
     }
 
+    /// Why it ended early: ``reason``, ``iteration``, ``time`` [s], state ``x`` (6,),
+    /// ``beyond`` [m], ``message``.
     #[getter]
     fn failure<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.failure.as_ref().map(|f| failure(py, f)).transpose()
     }
 
+    /// Failures from which the car drove back, with `recover`.
     #[getter]
     fn incidents<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.incidents.iter().map(|f| failure(py, f)).collect()
     }
 
+    /// What was learned, for `Controller.load` or another race.
     #[getter]
     fn learned<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         let mut bytes = Vec::new();
@@ -228,6 +260,7 @@ impl Race {
         PyBytes::new(py, &bytes)
     }
 
+    /// Writes what was learned; an earlier file stays as ``.bak``.
     fn save_file(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let learned = &self.learned;
         let write = || {
@@ -237,16 +270,19 @@ impl Race {
         py.detach(write).map_err(raise::<DataError>)
     }
 
+    /// Fitted factors on front and rear grip [-].
     #[getter]
     fn grip(&self) -> (f64, f64) {
         (self.grip[0], self.grip[1])
     }
 
+    /// Delay between command and effect that was found [periods].
     #[getter]
     fn delay(&self) -> usize {
         self.delay
     }
 
+    /// Writes ``laps.csv``, ``trajectory.csv`` and ``timings.csv`` as ``lmpc race`` does.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let (laps, steps, times) = (&self.laps, &self.steps, &self.times);
         py.detach(|| {

@@ -9,7 +9,10 @@ use crate::config::Config;
 use crate::errors::{ConfigError, raise};
 use crate::track::Track;
 
-/// When a run counts as failed.
+/// When a run counts as failed, as in ``lmpc race``.
+///
+/// The rule for a car on a track. `body`: whether its whole body has to stay inside, or
+/// only its centre of gravity; by default as the preset has it.
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct FailureRule {
     inner: Inner,
@@ -34,15 +37,19 @@ impl FailureRule {
         Ok(Self { inner, track })
     }
 
+    /// Why a true state (6,), `lap_time` [s] after the line, ends the run: ``off_track``,
+    /// ``spin``, ``wrong_way``, ``standstill``, ``no_lap``, ``not_finite``; else `None`.
     fn broken(&self, x: &Bound<'_, PyAny>, lap_time: f64) -> PyResult<Option<&'static str>> {
         let broken = self.inner.broken(&self.track.get().inner, &state(x)?, lap_time);
         Ok(broken.map(|reason| reason.as_str()))
     }
 
+    /// How far what has to stay inside is beyond an edge; negative inside [m].
     fn beyond(&self, x: &Bound<'_, PyAny>) -> PyResult<f64> {
         Ok(self.inner.edges.beyond(&self.track.get().inner, &state(x)?))
     }
 
+    /// Longest time a lap may take [s].
     #[getter]
     fn lap_time_limit(&self) -> f64 {
         self.inner.lap_time_limit

@@ -13,10 +13,20 @@ use crate::car::Car;
 use crate::errors::{TrackError, raise};
 
 /// A closed race track: a centre line of length L with its curvature, and both edges.
+///
+/// Progress s [m] may lie in any lap. Methods take a number or an array of any shape.
+/// Tracks are equal if their geometry is; they can be pickled.
+///
+/// A track that ships with the package, or a file in any format that ``lmpc`` reads.
+///
+/// Points of a file are smoothed as their noise asks for; see `changes`.
+///
+/// Raises:
+///     TrackError: there is no such track, or the file is wrong.
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct Track {
     pub(crate) inner: Arc<Inner>,
-    /// What an import changed of its points.
+    /// What the import changed of a file's points, in sentences.
     #[pyo3(get)]
     changes: Vec<String>,
     /// Its points in our own format; none for segments, which write themselves.
@@ -66,17 +76,30 @@ impl Track {
         import(&name, &text, &ImportOptions::default())
     }
 
+    /// Names of the tracks that ship with the package.
     #[staticmethod]
     fn names() -> Vec<&'static str> {
         Inner::builtin_names().collect()
     }
 
+    /// The track of a file's text. `smooth`: as in `from_points`.
     #[staticmethod]
     #[pyo3(signature = (text, name = "track", smooth = None))]
     fn from_text(text: &str, name: &str, smooth: Option<f64>) -> PyResult<Self> {
         import(name, text, &ImportOptions { smooth, ..ImportOptions::default() })
     }
 
+    /// A track through points of its centre line in the order of driving, the last one step
+    /// before the first.
+    ///
+    /// Args:
+    ///     x: positions (n,) [m].
+    ///     y: positions (n,) [m].
+    ///     width_left: distances to the left edge, (n,) or one number [m].
+    ///     width_right: distances to the right edge, (n,) or one number [m].
+    ///     name: name in reports.
+    ///     smooth: distance by which smoothing moves the points, in the root mean square [m];
+    ///         0 for a line exactly through them, `None` for what their noise asks for.
     #[staticmethod]
     #[pyo3(signature = (x, y, width_left, width_right, name = "track", smooth = 0.0))]
     fn from_points(
@@ -111,6 +134,14 @@ impl Track {
         import(name, &text, &ImportOptions { smooth, ..ImportOptions::default() })
     }
 
+    /// A track of straights and arcs that starts at (0, 0) along +x and must close.
+    ///
+    /// Args:
+    ///     lengths: of the segments (n,) [m].
+    ///     curvatures: of the segments, positive to the left, 0 for a straight (n,) [1/m].
+    ///     width_left: distance to the left edge [m].
+    ///     width_right: distance to the right edge [m].
+    ///     name: name in reports.
     #[staticmethod]
     #[pyo3(signature = (lengths, curvatures, width_left, width_right, name = "track"))]
     fn from_segments(
@@ -131,57 +162,69 @@ impl Track {
         Ok(Self::exact(inner.map_err(raise::<TrackError>)?))
     }
 
+    /// A random track at the scale of a car; the same seed gives the same track.
     #[staticmethod]
     fn random(seed: u64, car: &Car) -> PyResult<Self> {
         let track = vehicle_model::track::random(seed, &car.inner).map_err(raise::<TrackError>)?;
         Ok(Self::exact(track))
     }
 
+    /// Name of the track.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
     }
 
+    /// Length L of the centre line [m].
     #[getter]
     fn length(&self) -> f64 {
         self.inner.length()
     }
 
+    /// Width from edge to edge at the narrowest place [m].
     #[getter]
     fn narrowest(&self) -> f64 {
         self.inner.narrowest()
     }
 
+    /// Largest curvature of the centre line, without sign [1/m].
     #[getter]
     fn max_abs_kappa(&self) -> f64 {
         self.inner.max_abs_kappa()
     }
 
+    /// Hash of geometry and widths, the same on every machine.
     #[getter]
     fn fingerprint(&self) -> u64 {
         self.inner.fingerprint()
     }
 
+    /// Progress brought into [0, L) [m].
     fn wrap<'py>(&self, py: Python<'py>, s: Places<'py>) -> Bound<'py, PyArrayDyn<f64>> {
         map(py, &s, |s| self.inner.wrap(s))
     }
 
+    /// Curvature of the centre line, positive to the left [1/m].
     fn kappa<'py>(&self, py: Python<'py>, s: Places<'py>) -> Bound<'py, PyArrayDyn<f64>> {
         map(py, &s, self.inner.kappa_along())
     }
 
+    /// Distance from the centre line to the left edge [m].
     fn width_left<'py>(&self, py: Python<'py>, s: Places<'py>) -> Bound<'py, PyArrayDyn<f64>> {
         map(py, &s, |s| self.inner.width_left(s))
     }
 
+    /// Distance from the centre line to the right edge [m].
     fn width_right<'py>(&self, py: Python<'py>, s: Places<'py>) -> Bound<'py, PyArrayDyn<f64>> {
         map(py, &s, |s| self.inner.width_right(s))
     }
 
+    /// Heading of the centre line, continuous along the lap [rad].
     fn heading<'py>(&self, py: Python<'py>, s: Places<'py>) -> Bound<'py, PyArrayDyn<f64>> {
         map(py, &s, |s| self.inner.heading(s))
     }
 
+    /// Places `e_y` [m] to the left of the centre line: x, y as the last axis (..., 2) [m].
     #[pyo3(signature = (s, e_y = 0.0))]
     fn position<'py>(
         &self,
@@ -192,6 +235,7 @@ impl Track {
         points(py, &s, |s| self.inner.beside(s, e_y))
     }
 
+    /// Places of the left edge (..., 2) [m].
     fn left_edge<'py>(
         &self,
         py: Python<'py>,
@@ -200,6 +244,7 @@ impl Track {
         points(py, &s, |s| self.inner.beside(s, self.inner.width_left(s)))
     }
 
+    /// Places of the right edge (..., 2) [m].
     fn right_edge<'py>(
         &self,
         py: Python<'py>,
@@ -208,6 +253,7 @@ impl Track {
         points(py, &s, |s| self.inner.beside(s, -self.inner.width_right(s)))
     }
 
+    /// The global state (6,) of a state (6,).
     fn to_global<'py>(
         &self,
         py: Python<'py>,
@@ -216,6 +262,7 @@ impl Track {
         Ok(from_global(py, &self.inner.to_global(&state(x)?)))
     }
 
+    /// The state (6,) of a global state (6,). `hint`: the s of the step before [m].
     #[pyo3(signature = (g, hint = None))]
     fn to_frenet<'py>(
         &self,
@@ -226,10 +273,12 @@ impl Track {
         Ok(from_state(py, &self.inner.to_frenet(&global(g)?, hint)))
     }
 
+    /// Why a car does not get round, in sentences; empty if it does.
     fn problems_for(&self, car: &Car) -> Vec<String> {
         self.inner.problems_for(&car.inner).iter().map(ToString::to_string).collect()
     }
 
+    /// The track as a file of ours; reading it gives the same track to the last bit.
     fn to_toml(&self) -> String {
         self.toml.clone().or_else(|| self.inner.to_toml()).unwrap_or_default()
     }
