@@ -134,7 +134,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/step_timing", "controller hosting nix serde thiserror vehicle_model"),
     (
         "vehicle_bridge/studies",
-        "anyhow atomic_file comfy-table controller csv hosting racing serde svg_page toml vehicle_model",
+        "anyhow atomic_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
     ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),

@@ -37,14 +37,14 @@ pub(crate) struct Plant {
 pub(crate) struct PlantState(InnerState);
 
 /// What a simulated car is made of: a car, and changes of it as in `lmpc race --plant`.
-pub(crate) fn params(car: &Car, changes: Option<&Bound<'_, PyAny>>) -> PyResult<PlantParams> {
+fn params(car: &Car, changes: Option<&Bound<'_, PyAny>>) -> PyResult<PlantParams> {
     let mut plant = PlantParams::new(car.inner.clone());
     change_plant(&mut plant, &texts(changes)?).map_err(raise::<CarError>)?;
     Ok(plant)
 }
 
 /// Changes as `NAME=VALUE`, from a dictionary or a text.
-fn texts(changes: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+pub(crate) fn texts(changes: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     let Some(changes) = changes else { return Ok(Vec::new()) };
     if let Ok(text) = changes.cast::<PyString>() {
         let text = text.to_string();

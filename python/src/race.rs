@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use anyhow::Context as _;
 use controller::Learned;
+use hosting::settings::Usage;
 use hosting::timing::StepTime;
 use hosting::{learned, timing};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
@@ -13,12 +14,12 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict};
 use racing::record::{Failure, LapRow, StepRow};
-use racing::{Race as Inner, RaceOptions, columns, files, nominal};
+use racing::{Parts, Race as Inner, RaceOptions, columns, files};
 
 use crate::arrays::{rows, state_numbers};
 use crate::car::Car;
 use crate::config::Config;
-use crate::errors::{ConfigError, DataError, RaceError, raise};
+use crate::errors::{CarError, ConfigError, DataError, RaceError, raise};
 use crate::plant;
 use crate::rule::limit;
 use crate::table;
@@ -114,17 +115,23 @@ pub(crate) fn race(
     let car = Car::of(car.unwrap_or(&word(racing::SMALL_CAR)))?;
     let track = Track::of(track.unwrap_or(&word("l")))?;
     let shared = Arc::clone(&track.get().inner);
-    let believed = nominal(&car.given, car.inner.clone(), nominal_mu);
-    let believed = believed.map_err(raise::<RaceError>)?;
-    let built = Config::of(config)?.layers.build_for(&believed, &shared);
-    let mut options = RaceOptions {
-        plant: plant::params(&car, plant)?,
+    let changes = plant::texts(plant)?;
+    let parts = Parts {
+        name: &car.given,
+        car: car.inner.clone(),
+        track: shared,
+        plant: &changes,
+        nominal_mu,
         laps,
-        seed,
-        recover,
-        ..RaceOptions::new(built.map_err(raise::<ConfigError>)?, believed, shared)
     };
-    options.config.warm_up.seed = seed;
+    let layers = Config::of(config)?.layers;
+    let options = parts.assemble(|car, track| layers.build_for(car, track));
+    let refuse = |error: anyhow::Error| match error.is::<Usage>() {
+        true => raise::<CarError>(error),
+        false => raise::<ConfigError>(error),
+    };
+    let mut options = options.map_err(refuse)?.with_seed(seed);
+    options.recover = recover;
     options.limit = limit(body, &options.config);
     if recover {
         options.config.recovery.active = true;

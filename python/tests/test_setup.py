@@ -77,7 +77,7 @@ def test_settings_and_where_they_come_from():
          lambda: lmpc.Controller("barc", "l", {"limits.lane_margin_m": 0.9})),
         (lmpc.CarError, "mu", lambda: lmpc.race(plant={"mu": -1})),
         (lmpc.CarError, "`grip`", lambda: lmpc.race(plant={"grip": 1})),
-        (lmpc.RaceError, "nominal-mu", lambda: lmpc.race(nominal_mu=-1)),
+        (lmpc.CarError, "nominal-mu", lambda: lmpc.race(nominal_mu=-1)),
         (lmpc.Error, "expected 6 numbers", lambda: lmpc.Plant("barc", "l", [1, 2])),
         (lmpc.Error, "expected 2 numbers",
          lambda: lmpc.Plant("barc", "l").apply(np.zeros(3), 0.1)),

@@ -4,7 +4,7 @@
 
 pub mod columns;
 pub mod files;
-mod nominal;
+mod parts;
 mod plant;
 pub mod raceline;
 pub mod record;
@@ -21,7 +21,7 @@ use vehicle_model::{
 };
 
 pub use hosting::rule::{Edges, FailureRule, TrackLimit};
-pub use nominal::{SMALL_CAR, nominal};
+pub use parts::{Parts, SMALL_CAR, nominal};
 pub use plant::change_plant;
 
 use hosting::rule::FailureReason;

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use controller::Config;
-use vehicle_model::{CarParams, PlantParams, Track, TrackError};
+use vehicle_model::{CarParams, Track, TrackError};
 
 use crate::cli::ControllerArgs;
 use crate::console::{SOFT, Talk, WARN, paint};
 use hosting::load;
 use hosting::settings::Layers;
-use racing::{ModelErrorAt, RaceOptions, change_plant, nominal};
+use racing::{Parts, RaceOptions};
 
 /// Most changes of a track that are listed before a race.
 const MOST_CHANGES: usize = 5;
@@ -45,20 +44,9 @@ pub(super) fn assemble(
     track: Arc<Track>,
     laps: u32,
 ) -> Result<RaceOptions> {
-    let mut plant = PlantParams::new(car.clone());
-    change_plant(&mut plant, &args.plant)?;
-    let nominal = nominal(&args.car, car, args.nominal_mu)?;
-    let config = config(args, &nominal, &track)?;
-    Ok(RaceOptions {
-        laps,
-        plant,
-        model_error: ModelErrorAt::Now,
-        ..RaceOptions::new(config, nominal, track)
-    })
-}
-
-fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Config> {
-    layers(args)?.build_for(car, track)
+    let (name, plant) = (args.car.as_str(), args.plant.as_slice());
+    let parts = Parts { name, car, track, plant, nominal_mu: args.nominal_mu, laps };
+    parts.assemble(|car, track| layers(args)?.build_for(car, track))
 }
 
 /// What the options set of a configuration.
