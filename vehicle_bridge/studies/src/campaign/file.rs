@@ -238,3 +238,40 @@ fn point(axes: &[Axis], mut cell: usize) -> Assignments {
     }
     parts.into_iter().rev().flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Definition, Plan, StudyName};
+
+    fn load(name: &str) -> Campaign {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/studies");
+        Campaign::load(&folder.join(format!("{name}.toml"))).unwrap()
+    }
+
+    #[test]
+    fn the_papers_studies_as_files_are_the_same_runs() {
+        for name in [StudyName::Crc, StudyName::Bandwidth, StudyName::Hardware] {
+            let study = Definition::of(name).unwrap();
+            let built_in = Plan::of(&study, &[], 10, 20).unwrap();
+            let campaign = load(name.as_str());
+            assert_eq!((&campaign.title, campaign.cases.len()), (&study.title, built_in.len()));
+            for (plan, case) in built_in.iter().zip(&campaign.cases) {
+                // The fingerprint is of everything that a run depends on.
+                let place = case.title(&campaign.axes);
+                assert_eq!((plan.seed, &plan.settings), (case.seed, &case.settings), "{place}");
+            }
+        }
+    }
+
+    #[test]
+    fn random_draws_are_joined_row_by_row() {
+        let campaign = load("monte_carlo");
+        assert_eq!((campaign.cases.len(), campaign.axes.len()), (200, 3));
+        let masses: Vec<f64> =
+            campaign.cases.iter().map(|case| case.options.plant.car.mass).collect();
+        for (mass, case) in masses.iter().zip(&campaign.cases) {
+            assert_eq!(mass.to_string(), case.axes[1]);
+        }
+    }
+}
