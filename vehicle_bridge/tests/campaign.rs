@@ -301,3 +301,21 @@ fn what_a_file_has_wrong_is_named() {
     assert_eq!(run(&["none.toml"]).status.code(), Some(1));
     assert_eq!(run(&["none.toml", "--shard", "3/2"]).status.code(), Some(2));
 }
+
+#[test]
+fn the_file_of_the_documents_and_the_examples_are_campaigns() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = include_str!("../../docs/howto/campaign.md");
+    let block = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let file = campaign(folder.path(), block);
+    let list = run(&[&file, "--list"]);
+    assert_eq!(text(&list.stdout).lines().count(), 61, "{}", text(&list.stderr));
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/studies");
+    let mut count = 0;
+    for entry in fs::read_dir(examples).unwrap() {
+        let list = run(&[&entry.unwrap().path().display().to_string(), "--list"]);
+        assert!(text(&list.stdout).lines().count() > 40, "{}", text(&list.stderr));
+        count += 1;
+    }
+    assert_eq!(count, 4);
+}
