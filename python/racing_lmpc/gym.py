@@ -106,13 +106,14 @@ class RaceEnv(gymnasium.Env[NDArray[np.float32], NDArray[Any]]):
         self._limits = np.array(self.plant.car.limits)
         self._steps = 0
         self._lap_start = 0.0
+        self._laps_before = 0
 
         a_min, a_max, delta = self._limits
         if normalise:
             self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
         else:
-            low, high = np.array([a_min, -delta]), np.array([a_max, delta])
-            self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+            ends = np.array([[a_min, -delta], [a_max, delta]])
+            self.action_space = gymnasium.spaces.Box(ends[0], ends[1], dtype=np.float64)
         n = len(self._ahead)
         kappa = self.track.max_abs_kappa
         own = [_FASTEST, _FASTEST, _TURNING, np.pi, _WIDEST]
@@ -264,7 +265,14 @@ class LmpcAgent:
         if not isinstance(inner, RaceEnv):
             raise lmpc.Error(f"LmpcAgent: found {inner!r}, expected a RaceEnv")
         self.env = inner
-        self.reset()
+        #: The controller; its laps, plan and model can be looked at.
+        self.controller = self._new(0)
+        #: What the last step did; `None` before the first.
+        self.status: lmpc.Status | None = None
+
+    def _new(self, seed: int) -> lmpc.Controller:
+        config = self.env.config.copy().set("warm_up.seed", seed)
+        return lmpc.Controller(self.env.nominal, self.env.track, config)
 
     def reset(self, seed: int = 0, forget: bool = True) -> None:
         """Prepares for an episode.
@@ -274,12 +282,10 @@ class LmpcAgent:
             forget: whether to begin with warm-up laps, or to keep what was learned.
         """
         learned = b"" if forget or not self.controller.laps else self.controller.save()
-        config = self.env.config.copy().set("warm_up.seed", seed)
-        self.controller = lmpc.Controller(self.env.nominal, self.env.track, config)
+        self.controller = self._new(seed)
         if learned:
             self.controller.load(learned)
-        #: What the last step did; `None` before the first.
-        self.status: lmpc.Status | None = None
+        self.status = None
 
     def act(self, observation: Any, info: dict[str, Any]) -> NDArray[Any]:
         """The action (2,) for what the environment returned."""
