@@ -142,6 +142,17 @@ def test_races_run_side_by_side():
     assert len(races) == 3
 
 
+def test_a_race_leaves_the_interpreter_to_others():
+    thread = threading.Thread(target=lmpc.race)
+    thread.start()
+    count = 0
+    while thread.is_alive():
+        count += 1
+    thread.join()
+    # With its lock held, this thread would not run before the race ends.
+    assert count > 100
+
+
 def test_cars_tracks_and_configurations_are_pickled():
     car = lmpc.Car("iac").with_keys({"mass_kg": 700, "tyre_front.mu": 1.4})
     track = lmpc.Track.random(3, lmpc.Car("barc"))
