@@ -209,6 +209,23 @@ fn limits_make_it_fail_and_changed_settings_run_anew() {
 }
 
 #[test]
+fn runs_with_the_same_axes_are_kept_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let file = campaign(
+        folder.path(),
+        "[set]\nplant.mu = 0.02\n[limits]\nfailed_runs = 6\n[[axis]]\nkey = \"laps\"\n\
+         random = { from = 1, to = 2, count = 6, whole = true }\n",
+    );
+    assert_eq!(run(&[&file, "--out", &out]).status.code(), Some(0));
+    let first = rows(Path::new(&out));
+    assert_eq!(first.len(), 6);
+    let again = run(&[&file, "--out", &out]);
+    assert!(text(&again.stderr).contains("6 kept"), "{}", text(&again.stderr));
+    assert_eq!(rows(Path::new(&out)), first);
+}
+
+#[test]
 fn files_beside_the_campaign_are_found_and_the_runs_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("mine.toml"), include_str!("../../cars/kart.toml")).unwrap();

@@ -1,6 +1,6 @@
 //! The table of a campaign's runs on disk: one line a run, written as soon as it ends.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
@@ -217,21 +217,23 @@ impl Rows {
             csv_file::put_aside(&path)?;
         }
         let found = csv_file::open_records(&path, &columns.names)?;
-        let mut wanted: Vec<(Vec<String>, &str)> = Vec::new();
-        let bare: Vec<Row> = cases.iter().map(|case| Row::new(case, &columns)).collect();
-        wanted.extend(bare.iter().map(|row| (row.key(&columns), row.fields[0].as_str())));
-        wanted.sort();
+        // Draws of whole numbers may give two runs the same axes: either row will do for either.
+        let mut wanted: BTreeMap<Vec<String>, VecDeque<String>> = BTreeMap::new();
+        for case in cases {
+            let row = Row::new(case, &columns);
+            wanted.entry(row.key(&columns)).or_default().push_back(case.number.to_string());
+        }
         let (mut rows, mut others, mut changed) = (Vec::new(), Vec::new(), false);
         for record in found {
             let mut row = Row { fields: record.iter().map(str::to_owned).collect() };
-            let key = row.key(&columns);
-            let place = wanted.binary_search_by(|(known, _)| known.cmp(&key));
-            let number = place.map_or("", |place| wanted[place].1);
-            let limits = campaign.limits.broken(&columns, &row);
+            let number = wanted.get_mut(&row.key(&columns)).and_then(VecDeque::pop_front);
+            let own = number.is_some();
+            let (number, limits) =
+                (number.unwrap_or_default(), campaign.limits.broken(&columns, &row));
             changed |= row.fields[0] != number || row.get(&columns, "limits") != limits;
-            number.clone_into(&mut row.fields[0]);
+            row.fields[0] = number;
             row.set(&columns, "limits", limits);
-            if place.is_ok() { &mut rows } else { &mut others }.push(row);
+            if own { &mut rows } else { &mut others }.push(row);
         }
         let rows = Self { folder, columns, rows, others };
         Sheet::of(campaign).write(&rows.folder)?;
