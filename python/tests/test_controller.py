@@ -55,7 +55,7 @@ def test_the_inside_of_a_step_is_consistent():
     for whole, nominal, error in zip(model.sum, model.nominal, model.error):
         assert np.allclose(whole, nominal + error, rtol=0, atol=1e-12)
     a, b, c = model.sum
-    # The learned model tells where the plant goes.
+    # The learned model predicts the plant.
     plant.apply(u, controller.period)
     after = plant.truth
     assert np.abs(a @ x + b @ u + c - after)[:3].max() < 0.1

@@ -126,8 +126,8 @@ fn shards_one_of_them_killed_and_resumed_merge_to_the_rows_of_one_run() {
     assert!(text(&early.stdout).contains("runs are missing"), "{}", text(&early.stdout));
 
     let resumed = run(&[&[file.as_str()], &second[..]].concat());
-    let told = text(&resumed.stderr);
-    assert!(told.contains(&format!("13 runs of shard 2/3, {kept} kept")), "{told}");
+    let shown = text(&resumed.stderr);
+    assert!(shown.contains(&format!("13 runs of shard 2/3, {kept} kept")), "{shown}");
     let merge_of_all = merge(&merged);
     assert_eq!(merge_of_all.status.code(), Some(0), "{}", text(&merge_of_all.stderr));
     let bytes = |out: &str| fs::read(Path::new(out).join("runs.csv")).unwrap();
@@ -311,9 +311,9 @@ fn what_a_file_has_wrong_is_named() {
         let file = campaign(folder.path(), content);
         let out = folder.path().join("out").display().to_string();
         let ran = run(&[&file, "--out", &out]);
-        let told = text(&ran.stderr);
+        let shown = text(&ran.stderr);
         assert!(matches!(ran.status.code(), Some(1 | 2)), "{content}: {:?}", ran.status);
-        assert!(told.contains(message) && told.contains("grip.toml"), "{content}: {told}");
+        assert!(shown.contains(message) && shown.contains("grip.toml"), "{content}: {shown}");
     }
     assert_eq!(run(&["none.toml"]).status.code(), Some(1));
     assert_eq!(run(&["none.toml", "--shard", "3/2"]).status.code(), Some(2));

@@ -116,7 +116,7 @@ impl Row {
         columns.place(name).map_or("", |place| &self.fields[place])
     }
 
-    /// What tells runs apart: axes, seed and fingerprint.
+    /// What distinguishes runs: axes, seed and fingerprint.
     fn key(&self, columns: &Columns) -> Vec<String> {
         let mut key = self.fields[1..columns.axes + 2].to_vec();
         key.extend(self.fields.last().cloned());
