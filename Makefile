@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release lint bench clean
+.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release wheel lint bench clean
 
 race:
 	tools/setup.sh race
@@ -18,6 +18,7 @@ test:
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
+	python/test.sh
 	$(MAKE) fmu-test
 
 # Unit tests, the two core crates, the source tree and the documents: no packages, no network.
@@ -69,6 +70,11 @@ fmu-old: fmu
 release:
 	tools/setup.sh race fmu
 	tools/release.sh
+
+# The wheels of the Python package for Linux (x64 and ARM64, glibc 2.17 or newer), in out/wheels.
+wheel:
+	tools/setup.sh race fmu
+	tools/wheel.sh
 
 lint:
 	cargo fmt --check

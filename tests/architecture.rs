@@ -97,6 +97,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("fmu/controller", "fmu_core"),
     ("fmu/vehicle", "fmu_core"),
     ("lcm_types", "crc32fast thiserror"),
+    ("python", "anyhow controller hosting numpy optimum pyo3 racing vehicle_model"),
     (
         "vehicle_bridge",
         "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
@@ -133,7 +134,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/step_timing", "controller hosting nix serde thiserror vehicle_model"),
     (
         "vehicle_bridge/studies",
-        "anyhow atomic_file comfy-table controller csv hosting racing serde svg_page toml vehicle_model",
+        "anyhow atomic_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
     ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Makes Python environments below target/tools: of the importers the FMUs are tested in, and of
-# zig, which links for an old glibc. Without arguments those of the importers, otherwise those
-# named: zig fmpy ecos cosim pathsim ssp toolbox cofmupy.
+# Makes Python environments below target/tools: of the importers the FMUs are tested in, of zig, which
+# links for an old glibc, and of python, in which our package is built and tested. Without arguments
+# those of the importers, otherwise those named: zig python fmpy ecos cosim pathsim ssp toolbox cofmupy.
 set -eu
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-target}/tools
@@ -9,6 +9,7 @@ tools=${CARGO_TARGET_DIR:-target}/tools
 for name in ${*:-fmpy ecos cosim pathsim ssp toolbox cofmupy}; do
     case $name in
         zig) packages="ziglang==0.17.1 cargo-zigbuild==0.24.1" ;;
+        python) packages="maturin==1.16.0 numpy==2.4.6 gymnasium==1.4.0 pytest==9.2.0 mypy==2.4.1 matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0" ;;
         fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib==3.11.2" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;

@@ -4,10 +4,14 @@ use vehicle_model::normal::standard_normal;
 use vehicle_model::{Input, Limiter, State};
 
 use crate::controller::Controller;
+use crate::derive::Scales;
 use crate::fhocp::greatest;
 use crate::observe::Observation;
 use crate::optimize::Workspace;
 use crate::status::{Action, Phase, Probe, Reason, Status};
+
+/// Speed below which a car stands, in speeds sqrt(mu g l).
+const STANDING_SHARE: f64 = 0.17;
 
 impl Controller {
     /// Drives from a believed state.
@@ -70,9 +74,10 @@ impl Controller {
         (x.v_x < self.standing()).then_some(Reason::Standstill)
     }
 
-    /// Speed below which a car stands \[m/s\].
+    /// Speed below which a car stands \[m/s\]: far below that of any bend it can take at all.
     pub(crate) fn standing(&self) -> f64 {
-        (0.25 * self.setup.config.warm_up.speed).min(0.5 * self.work.speed_cap())
+        let least = STANDING_SHARE * Scales::new(&self.setup.car).speed;
+        least.min(0.25 * self.setup.config.warm_up.speed).min(0.5 * self.work.speed_cap())
     }
 
     /// Speed at which the car is driven by tracking \[m/s\].

@@ -61,6 +61,9 @@ pub(crate) struct Workspace {
     pub(crate) probe: Discretized,
 }
 
+/// Change of a far rear slip angle from plan to plan that is still small, as a share of its guard.
+const SMALL: f64 = 0.2;
+
 impl Workspace {
     pub(crate) fn new(
         config: &Config,
@@ -75,6 +78,12 @@ impl Workspace {
         problem.u_min = Vector2::new(car.a_min, -car.delta_max);
         problem.u_max = Vector2::new(car.a_max, car.delta_max);
         problem.du_max = Vector2::new(rate(car.a_rate_max, dt), rate(car.delta_rate_max, dt));
+        // The second stage must be able to leave the reserve, wherever the actuators stand.
+        let limits = &config.limits;
+        let spared = |share: f64, most: f64, i: usize| (share * most).min(0.5 * problem.du_max[i]);
+        let brakes = spared(limits.brake_reserve, -car.a_min, 0);
+        let steering = spared(limits.steering_reserve, car.delta_max, 1);
+        problem.reserve = [Vector2::new(brakes, steering), Vector2::new(0.0, steering)];
         problem.lane_linear = cost.lane_linear;
         problem.lane_quadratic = cost.lane_quadratic;
         problem.front_max = bound(config.limits.front_slip);
@@ -259,17 +268,41 @@ impl Workspace {
     }
 
     fn store(&self, memory: &mut Memory) {
+        let (share, far) = (self.step_length(), self.far());
         let plan = &mut memory.plan;
-        for (ours, x) in plan.x.iter_mut().zip(&self.solution.x) {
-            *ours = State::from_vector(x);
-            ours.s += self.origin;
+        for (t, (ours, x)) in plan.x.iter_mut().zip(&self.solution.x).enumerate() {
+            let mut x = *x;
+            x[4] += self.origin;
+            if t > far {
+                x = ours.to_vector().lerp(&x, share);
+            }
+            *ours = State::from_vector(&x);
         }
-        for (ours, u) in plan.u.iter_mut().zip(&self.solution.u) {
-            *ours = Input::from_vector(u);
+        for (t, (ours, u)) in plan.u.iter_mut().zip(&self.solution.u).enumerate() {
+            let u = if t > far { ours.to_vector().lerp(u, share) } else { *u };
+            *ours = Input::from_vector(&u);
         }
         memory.plan_age = 0;
         memory.query_s = self.safe_set.successor(&self.solution.lambda);
         memory.plan_tail = Input::from_vector(&self.safe_set.input(&self.solution.lambda));
+    }
+
+    /// Stages up to this one follow each solution whole: what is near follows the measurement.
+    fn far(&self) -> usize {
+        self.problem.horizon() / 4
+    }
+
+    /// Share of the way from the plan to its next solution that the far stages go: half of it where a rear
+    /// slip angle there moves by more than a part of its guard. A far bend that the linearised tyres show
+    /// as possible and impossible in turn would otherwise make every second plan another one.
+    fn step_length(&self) -> f64 {
+        let moved = (self.far()..self.problem.horizon()).map(|t| {
+            let (row, next) = (&self.problem.rear[t], &self.solution.x[t + 1]);
+            let [v_x, v_y, omega_z] = row.velocity;
+            let slip = v_x * next[0] + v_y * next[1] + omega_z * next[2] + row.offset;
+            (slip - row.reference).abs()
+        });
+        if moved.fold(0.0, f64::max) > SMALL * self.problem.rear_max { 0.5 } else { 1.0 }
     }
 
     /// Cost of the last solution and two of its parts.

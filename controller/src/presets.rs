@@ -69,6 +69,8 @@ impl Config {
                 body: false,
                 front_slip: 0.11,
                 rear_slip: 0.09,
+                steering_reserve: 0.0,
+                brake_reserve: 0.0,
                 rear_load: false,
                 speed_cap: 0.0,
             },
@@ -119,6 +121,8 @@ impl Config {
                 body: true,
                 front_slip: 0.14,
                 rear_slip: 0.14,
+                steering_reserve: 0.05,
+                brake_reserve: 0.05,
                 rear_load: true,
                 ..paper.limits
             },

@@ -94,6 +94,29 @@ fn previous_input_outside_the_box() {
 }
 
 #[test]
+fn only_the_first_stage_uses_the_reserve() {
+    let mut problem = random(7, 10, 20, 0b00000);
+    // A lane far to either side, which nothing but full inputs come near to.
+    for e_y in [-50.0, 50.0] {
+        problem.e_y_min.fill(e_y - 0.1);
+        problem.e_y_max.fill(e_y + 0.1);
+        let solution = agrees("a lane out of reach", &problem);
+        for i in 0..2 {
+            let inside = |t: usize, reserve: [f64; 2]| {
+                let u = solution.u[t][i];
+                let gaps = [u - problem.u_min[i] - reserve[0], problem.u_max[i] - reserve[1] - u];
+                gaps.iter().all(|gap| *gap > -1e-6).then(|| gaps.iter().any(|gap| *gap < 1e-5))
+            };
+            let reserve = problem.reserve.map(|reserve| reserve[i]);
+            let later: Option<Vec<bool>> = (1..10).map(|t| inside(t, reserve)).collect();
+            assert_eq!(inside(0, [0.0; 2]), Some(true), "input {i}: {:?}", solution.u);
+            let at_its_bound = later.map(|later| later.contains(&true));
+            assert_eq!(at_its_bound, Some(true), "input {i}: {:?}", solution.u);
+        }
+    }
+}
+
+#[test]
 fn exploding_predictions_never_give_nan() {
     for seed in 0..20 {
         for rate in [2.0, 10.0, 1e3, 1e12, 1e60] {

@@ -66,7 +66,7 @@ section! {
     LimitsConfig in limits;
     /// Distance the centre of gravity of a car parallel to the track keeps from either edge.
     lane_margin "lane_margin_m": f64, symbol "", unit "m", range (0.0, 100.0),
-        from car_and_track "half the car's width, a share of its width, and what a small error of heading leads astray in one period at top speed";
+        from car_and_track "half the car's width, a share of its width, and what a small error of heading leads astray at top speed until a correction acts";
     /// Whether the outline of the body keeps what `lane_margin_m` leaves beside half its width.
     body "body": bool, symbol "", unit "", range (), from preset;
     /// Guard on the front slip angle |alpha_f|; 0 switches it off.
@@ -75,6 +75,11 @@ section! {
     /// Guard on the rear slip angle |alpha_r|; 0 switches it off.
     rear_slip "rear_slip_rad": f64, symbol "", unit "rad", range (0.0, 1.5),
         from car "a share of the rear tyre's peak slip";
+    /// Share of the steering lock that plans leave free after their first stage: what a car that steers
+    /// to its lock in a tight bend has left to correct its line with.
+    steering_reserve "steering_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
+    /// Share of the brakes that plans leave free after their first stage.
+    brake_reserve "brake_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
     /// Whether a braking car has only that share of the rear guard that is left of the rear load.
     rear_load "rear_load": bool, symbol "", unit "", range (), from preset;
     /// Speed cap; 0 switches it off.

@@ -206,10 +206,11 @@ fn equalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) {
 
 fn inequalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) {
     for t in 0..shape.horizon {
+        let [least, greatest] = problem.box_of(t);
         for i in 0..NU {
             let u = shape.u(t) + i;
-            rows.bound(u, 1.0, problem.u_max[i]);
-            rows.bound(u, -1.0, -problem.u_min[i]);
+            rows.bound(u, 1.0, greatest[i]);
+            rows.bound(u, -1.0, -least[i]);
             if shape.rate[i] {
                 for sign in [1.0, -1.0] {
                     rows.a(u, sign);

@@ -6,7 +6,8 @@
 //!          + sum_t  c_f (alpha_f - ref_f)^2 + c_r (alpha_r - ref_r)^2   (tyre dissipation)
 //!          + J' lambda + e' E e
 //! subject to x_{t+1} = A_t x_t + B_t ((1 - lag) u_t + lag u_{t-1}) + C_t
-//!            u_min <= u_t <= u_max,   |u_t - u_{t-1}| <= du_max
+//!            u_min <= u_0 <= u_max,   u_min + r_min <= u_t <= u_max - r_max   t = 1..N-1
+//!            |u_t - u_{t-1}| <= du_max                            t = 0..N-1
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
 //!            |alpha_r(x_t)| <= rear_max share_t + g_t                     t = 1..N
@@ -88,6 +89,8 @@ pub struct Fhocp {
     pub u_min: Vector2<f64>,
     /// Greatest inputs.
     pub u_max: Vector2<f64>,
+    /// What the stages after the first leave of the least and of the greatest inputs, for feedback.
+    pub reserve: [Vector2<f64>; 2],
     /// Greatest difference of successive inputs; infinite for none.
     pub du_max: Vector2<f64>,
     /// Least e_y of stage t + 1, N \[m\].
@@ -135,6 +138,7 @@ impl Fhocp {
             rate_cost: Vector2::zeros(),
             u_min: Vector2::repeat(-1.0),
             u_max: Vector2::repeat(1.0),
+            reserve: [Vector2::zeros(); 2],
             du_max: Vector2::repeat(f64::INFINITY),
             e_y_min: vec![-1.0; horizon],
             e_y_max: vec![1.0; horizon],
@@ -158,6 +162,15 @@ impl Fhocp {
     #[must_use]
     pub fn horizon(&self) -> usize {
         self.model.len()
+    }
+
+    /// Least and greatest inputs of stage t.
+    #[must_use]
+    pub fn box_of(&self, t: usize) -> [Vector2<f64>; 2] {
+        if t == 0 {
+            return [self.u_min, self.u_max];
+        }
+        [self.u_min + self.reserve[0], self.u_max - self.reserve[1]]
     }
 
     /// State after stage t from x_t, u_t and the input before it.

@@ -70,6 +70,9 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
         problem.hull_cost[j] = 10.0 * r.share();
     }
     problem.terminal_slack_weight = Vector6::from_fn(|_, _| 1.0 + 40.0 * r.share());
+    // Within reach of the rate limits, so that the second stage can leave it.
+    let most = (0.2 * problem.u_max).inf(&(0.5 * problem.du_max));
+    problem.reserve = [0; 2].map(|_| most.map(|most| most * r.share()));
     problem
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Vehicle -> Measurement -> Controller::step -> Vehicle, once each period.
 
+pub mod columns;
 pub mod files;
+mod parts;
 mod plant;
 pub mod raceline;
 pub mod record;
@@ -19,6 +21,7 @@ use vehicle_model::{
 };
 
 pub use hosting::rule::{Edges, FailureRule, TrackLimit};
+pub use parts::{Parts, SMALL_CAR, nominal};
 pub use plant::change_plant;
 
 use hosting::rule::FailureReason;
@@ -184,11 +187,25 @@ impl Race {
     /// # Errors
     /// If what computes the vehicle fails.
     pub fn run(&mut self, mut on_lap: impl FnMut(&LapRow)) -> Result<(), VehicleError> {
+        self.run_while(|lap| {
+            on_lap(lap);
+            true
+        })
+    }
+
+    /// [`Race::run`] that ends as well when `on_lap` returns `false`.
+    ///
+    /// # Errors
+    /// If what computes the vehicle fails.
+    pub fn run_while(
+        &mut self,
+        mut on_lap: impl FnMut(&LapRow) -> bool,
+    ) -> Result<(), VehicleError> {
         while self.failure.is_none() && self.learned_laps < self.options.laps {
             let before = self.laps.len();
             self.step()?;
-            if let Some(lap) = self.laps.get(before) {
-                on_lap(lap);
+            if self.laps.get(before).is_some_and(|lap| !on_lap(lap)) {
+                break;
             }
         }
         Ok(())

@@ -37,7 +37,7 @@ pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, LimitArgs, OnFailure, RaceArgs};
 pub use shell::{CompletionsArgs, ManArgs};
-pub use study::{PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
+pub use study::{CampaignArgs, MergeArgs, PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use studies::campaign::Shard;
 use vehicle_model::Track;
 
 use super::race::{LimitArgs, PresetName};
@@ -12,7 +13,14 @@ Examples:
   lmpc study crc --seeds 10          Table I: error and full regression over five rate costs
   lmpc study bandwidth --seeds 10    the figure over the bandwidth h, kinematic nominal model
   lmpc study hardware                Table II, with a plant that differs from the model
-  lmpc study tracks --car iac --track circuits/ --seeds 5    which tracks a car stays on";
+  lmpc study tracks --car iac --track circuits/ --seeds 5    which tracks a car stays on
+  lmpc study grip.toml                                       a campaign from a file
+  lmpc study grip.toml --shard 2/10                          a tenth of it
+  lmpc study grip.toml --slurm > job.sh                      all of it on a Slurm cluster
+  lmpc study merge out/study-grip/shard-* --out out/study-grip
+
+A campaign writes one line a run into runs.csv and goes on where it stopped when it is started again.
+Exit code 3 if more runs failed than its file allows, or one is beyond a limit.";
 
 const PAPER: &str = "\
 A study that is interrupted goes on where it stopped when it is started again with the same
@@ -35,11 +43,69 @@ Exit code 3 if any run failed.";
 
 /// Options of `lmpc study`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES, subcommand_required = true, arg_required_else_help = true)]
+#[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct StudyArgs {
-    /// Which study.
+    /// A study that ships with lmpc.
     #[command(subcommand)]
-    pub study: Study,
+    pub study: Option<Study>,
+    /// A campaign from a file.
+    #[command(flatten)]
+    pub campaign: CampaignArgs,
+}
+
+/// Options of a campaign from a file.
+#[derive(Debug, Args)]
+pub struct CampaignArgs {
+    /// File of the campaign (docs/howto/campaign.md)
+    #[arg(value_name = "FILE", required = true)]
+    pub file: Option<PathBuf>,
+    /// Run a part only: the I-th of N
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Print the script of a Slurm array that runs all shards
+    #[arg(long, conflicts_with_all = ["shard", "fresh", "list", "json"])]
+    pub slurm: bool,
+    /// Jobs of the array; by default one for each 50 runs, at most 1000
+    #[arg(long, value_name = "N", requires = "slurm", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub shards: Option<u32>,
+    /// Runs at the same time; by default one for each processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: Option<u32>,
+    /// Run everything again; the earlier table stays as runs.before.csv
+    #[arg(long)]
+    pub fresh: bool,
+    /// List the runs without running them
+    #[arg(long)]
+    pub list: bool,
+    /// Folder for the results; by default out/study-NAME. A shard has a folder of its own in it
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `lmpc study merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folders of shards
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Folder for the merged table
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A shard as on the command line, `2/10`.
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').map(|(part, of)| (part.parse(), of.parse()));
+    match numbers {
+        Some((Ok(part), Ok(of))) if (1..=of).contains(&part) => Ok(Shard { part, of }),
+        _ => Err("expected I/N, a whole number from 1 to N and N".to_owned()),
+    }
 }
 
 /// The studies.
@@ -57,6 +123,8 @@ pub enum Study {
     /// Which cars stay on which tracks
     #[command(after_help = TRACKS)]
     Tracks(Box<TracksStudyArgs>),
+    /// Merge the shards of a campaign into one table
+    Merge(MergeArgs),
 }
 
 /// Options of `lmpc study tracks`.

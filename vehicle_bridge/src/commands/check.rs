@@ -9,8 +9,8 @@ use serde::Serialize;
 use serde_json::Value as Json;
 use vehicle_model::{CarParams, Track};
 
+use super::Outcome;
 use super::config::{DIGITS, row};
-use super::{Outcome, setup};
 use crate::check::{Checked, Kind, check_file};
 use crate::cli::CheckArgs;
 use crate::console::{BAD, GOOD, SOFT, paint, result};
@@ -71,8 +71,8 @@ fn report(path: &Path, args: &CheckArgs) -> Result<Report> {
         }
         (Kind::Configuration, name) => {
             layers.file(path)?;
-            let name = name.unwrap_or(setup::SMALL_CAR);
-            (name.to_owned(), setup::nominal(name, load::car(name)?, None)?)
+            let name = name.unwrap_or(racing::SMALL_CAR);
+            (name.to_owned(), racing::nominal(name, load::car(name)?, None)?)
         }
         _ => return Ok(report),
     };

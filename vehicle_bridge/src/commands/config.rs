@@ -25,7 +25,7 @@ pub(super) fn run(args: &ConfigArgs) -> Result<Outcome> {
     }
     let ControllerArgs { car: car_name, track: track_name, .. } = &args.controller;
     let (car, track) = (load::car(car_name)?, load::track(track_name)?);
-    let car = setup::nominal(car_name, car, args.controller.nominal_mu)?;
+    let car = racing::nominal(car_name, car, args.controller.nominal_mu)?;
     let layers = setup::layers(&args.controller)?;
     let config = layers.build_for(&car, &track)?;
     let mut settings = layers.explain(&config);

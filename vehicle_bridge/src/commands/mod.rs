@@ -1,6 +1,7 @@
 //! What the subcommands do. Each returns an outcome; only `main` turns it into an exit code.
 
 mod bench;
+mod campaign;
 mod car;
 mod check;
 mod config;
@@ -20,6 +21,7 @@ mod seeds;
 mod setup;
 mod shell;
 mod study;
+mod study_progress;
 mod study_tracks;
 mod top;
 mod track;

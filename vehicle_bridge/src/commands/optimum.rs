@@ -8,7 +8,7 @@ use optimum::{Optimum, Options, Progress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::{Outcome, setup};
+use super::Outcome;
 use crate::cli::OptimumArgs;
 use crate::console::{BEST, SOFT, Talk, paint, result};
 use hosting::load;
@@ -96,7 +96,7 @@ fn margin(args: &OptimumArgs, car: &CarParams, track: &Track) -> Result<f64> {
         layers.file(path)?;
     }
     // The margin of a race follows from the car that its controller believes in.
-    let nominal = setup::nominal(&args.car, car.clone(), None)?;
+    let nominal = racing::nominal(&args.car, car.clone(), None)?;
     Ok(layers.build_for(&nominal, track)?.limits.lane_margin)
 }
 

@@ -3,18 +3,13 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use controller::Config;
-use vehicle_model::{CarParams, PlantParams, Track, TrackError};
+use vehicle_model::{CarParams, Track, TrackError};
 
 use crate::cli::ControllerArgs;
 use crate::console::{SOFT, Talk, WARN, paint};
 use hosting::load;
-use hosting::settings::{Layers, Usage};
-use racing::{ModelErrorAt, RaceOptions, change_plant};
-
-/// The small car drives with less grip than its controller assumes (the paper's mismatch).
-pub(super) const SMALL_CAR: &str = "barc";
-const SMALL_CAR_NOMINAL_MU: f64 = 1.2;
+use hosting::settings::Layers;
+use racing::{Parts, RaceOptions};
 
 /// Most changes of a track that are listed before a race.
 const MOST_CHANGES: usize = 5;
@@ -49,33 +44,9 @@ pub(super) fn assemble(
     track: Arc<Track>,
     laps: u32,
 ) -> Result<RaceOptions> {
-    let mut plant = PlantParams::new(car.clone());
-    change_plant(&mut plant, &args.plant)?;
-    let nominal = nominal(&args.car, car, args.nominal_mu)?;
-    let config = config(args, &nominal, &track)?;
-    Ok(RaceOptions {
-        laps,
-        plant,
-        model_error: ModelErrorAt::Now,
-        ..RaceOptions::new(config, nominal, track)
-    })
-}
-
-/// The car a controller believes in: with the given grip, or by default with the paper's for the small
-/// car and its own for any other.
-pub(super) fn nominal(name: &str, car: CarParams, mu: Option<f64>) -> Result<CarParams> {
-    let default_mu = (name == SMALL_CAR).then_some(SMALL_CAR_NOMINAL_MU);
-    Ok(match mu.or(default_mu) {
-        Some(mu) if !(mu > 0.0 && mu.is_finite()) => {
-            bail!(Usage(format!("--nominal-mu {mu}: expected a number above 0")))
-        }
-        Some(mu) => car.with_mu(mu),
-        None => car,
-    })
-}
-
-fn config(args: &ControllerArgs, car: &CarParams, track: &Track) -> Result<Config> {
-    layers(args)?.build_for(car, track)
+    let (name, plant) = (args.car.as_str(), args.plant.as_slice());
+    let parts = Parts { name, car, track, plant, nominal_mu: args.nominal_mu, laps };
+    parts.assemble(|car, track| layers(args)?.build_for(car, track))
 }
 
 /// What the options set of a configuration.

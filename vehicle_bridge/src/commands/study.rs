@@ -4,10 +4,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::Outcome;
-use super::study_tracks;
+use super::study_progress::bar;
+use super::{Outcome, campaign, study_tracks};
 use crate::cli::{PaperStudyArgs, Study, StudyArgs};
 use crate::console::{Talk, result};
 use hosting::parallel::{parallel, threads};
@@ -18,10 +17,12 @@ use studies::{
 /// Runs a study.
 pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
     match &args.study {
-        Study::Crc(args) => paper(StudyName::Crc, args, talk),
-        Study::Bandwidth(args) => paper(StudyName::Bandwidth, args, talk),
-        Study::Hardware(args) => paper(StudyName::Hardware, args, talk),
-        Study::Tracks(args) => study_tracks::run(args, talk),
+        None => campaign::run(&args.campaign, talk),
+        Some(Study::Crc(args)) => paper(StudyName::Crc, args, talk),
+        Some(Study::Bandwidth(args)) => paper(StudyName::Bandwidth, args, talk),
+        Some(Study::Hardware(args)) => paper(StudyName::Hardware, args, talk),
+        Some(Study::Tracks(args)) => study_tracks::run(args, talk),
+        Some(Study::Merge(args)) => campaign::merge(args),
     }
 }
 
@@ -44,7 +45,7 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
         others(ledger.other_runs.len())
     ));
 
-    let bar = progress(plans.len() as u64, done.len() as u64, talk);
+    let bar = bar(plans.len() as u64, done.len() as u64, talk);
     let ran = parallel(
         &missing,
         threads(args.jobs),
@@ -95,15 +96,4 @@ pub(super) fn others(count: usize) -> String {
         1 => "; 1 run with other settings or of another version stays there".to_owned(),
         _ => format!("; {count} runs with other settings or of another version stay there"),
     }
-}
-
-pub(super) fn progress(runs: u64, done: u64, talk: Talk) -> ProgressBar {
-    let target =
-        if talk.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(runs), target);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {eta} {wide_msg}") {
-        bar.set_style(style);
-    }
-    bar.set_position(done);
-    bar
 }

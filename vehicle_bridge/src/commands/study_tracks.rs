@@ -1,15 +1,14 @@
 //! `lmpc study tracks`.
 
 use std::fs;
-use std::io::IsTerminal as _;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::study::{others, progress};
+use super::study::others;
+use super::study_progress::Progress;
 use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
 use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
@@ -21,8 +20,6 @@ use studies::tracks::{
 
 /// The plant that is the car as its file has it.
 const BARE: &str = "none";
-/// Where there is no terminal, time between two lines on how far the study is.
-const EVERY: Duration = Duration::from_secs(60);
 
 /// Runs what is missing of the matrix, and writes its table and page.
 pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
@@ -126,39 +123,18 @@ fn race(
     all: usize,
     talk: Talk,
 ) -> Result<()> {
-    let bar = progress(all as u64, (all - cases.len()) as u64, talk);
-    let begun = Instant::now();
-    let mut spoken = begun;
-    let mut failed = book.rows.iter().filter(|row| row.failed()).count();
-    let (mut count, live) = (0, std::io::stderr().is_terminal());
+    let failed = book.rows.iter().filter(|row| row.failed()).count();
+    let mut progress = Progress::new((all, all - cases.len(), failed), talk);
     let ran = parallel(
         cases,
         threads(args.jobs),
         |case| drive(case),
         |i, run: Run| -> Result<()> {
             let row = &run.row;
-            if row.failed() {
-                failed += 1;
-                let text = format!("{}: {}", row.title(), row.fail_message);
-                bar.suspend(|| talk.say(&paint(BAD, &text)));
-            }
-            count += 1;
-            bar.set_message(format!("{failed} failed; {}", row.title()));
-            if !live && spoken.elapsed() > EVERY {
-                spoken = Instant::now();
-                let left = begun.elapsed().as_secs_f64() * (cases.len() - count) as f64
-                    / f64::from(u32::try_from(count).unwrap_or(u32::MAX));
-                talk.say(&format!(
-                    "{count} of {} runs done, {failed} failed, about {:.0} min left",
-                    cases.len(),
-                    left / 60.0
-                ));
-            }
-            book.add(run, cases[i])?;
-            bar.inc(1);
-            Ok(())
+            progress.done(&row.title(), row.failed().then_some(row.fail_message.as_str()));
+            book.add(run, cases[i])
         },
     );
-    bar.finish_and_clear();
+    progress.end();
     ran
 }

@@ -22,13 +22,47 @@ const CURE: &str = "the file was left as it is. Correct or remove that line, or 
 /// # Errors
 /// If the file cannot be read, has other columns than `T`, or has a line that is no row.
 pub(super) fn open<T: DeserializeOwned + Serialize + Default>(path: &Path) -> Result<Vec<T>> {
-    let bytes = match fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(error).context(format!("cannot read {}", path.display())),
-    };
+    let columns = columns::<T>()?;
+    open_as(path, &columns, |record| record.deserialize(Some(&columns)))
+}
+
+/// [`open`] for a table whose columns are known only now: each row as its fields.
+///
+/// # Errors
+/// As [`open`].
+pub(super) fn open_records(path: &Path, columns: &StringRecord) -> Result<Vec<StringRecord>> {
+    open_as(path, columns, |record| Ok(record.clone()))
+}
+
+/// The head of a table; `None` if there is no table, or none of its lines is whole.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(super) fn head(path: &Path) -> Result<Option<StringRecord>> {
+    let Some(bytes) = bytes(path)? else { return Ok(None) };
+    let Some(end) = bytes.iter().position(|&b| b == b'\n') else { return Ok(None) };
+    let mut reader = csv::Reader::from_reader(&bytes[..end]);
+    let head = reader.headers().with_context(|| format!("{}, line 1", path.display()))?;
+    Ok(Some(head.clone()))
+}
+
+/// The bytes of a file, if there is one.
+fn bytes(path: &Path) -> Result<Option<Vec<u8>>> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).context(format!("cannot read {}", path.display())),
+    }
+}
+
+fn open_as<R>(
+    path: &Path,
+    columns: &StringRecord,
+    row: impl Fn(&StringRecord) -> Result<R, csv::Error>,
+) -> Result<Vec<R>> {
+    let Some(bytes) = bytes(path)? else { return Ok(Vec::new()) };
     let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-    let rows = parse(path, &bytes[..whole])?;
+    let rows = parse(path, &bytes[..whole], columns, row)?;
     if whole < bytes.len() {
         let cut = || {
             let file = OpenOptions::new().write(true).open(path)?;
@@ -40,7 +74,12 @@ pub(super) fn open<T: DeserializeOwned + Serialize + Default>(path: &Path) -> Re
     Ok(rows)
 }
 
-fn parse<T: DeserializeOwned + Serialize + Default>(path: &Path, lines: &[u8]) -> Result<Vec<T>> {
+fn parse<R>(
+    path: &Path,
+    lines: &[u8],
+    columns: &StringRecord,
+    row: impl Fn(&StringRecord) -> Result<R, csv::Error>,
+) -> Result<Vec<R>> {
     if lines.is_empty() {
         return Ok(Vec::new());
     }
@@ -48,9 +87,8 @@ fn parse<T: DeserializeOwned + Serialize + Default>(path: &Path, lines: &[u8]) -
         |line: u64, fault: String| format!("{}, line {line}: {fault}; {CURE}", path.display());
     let mut reader = csv::ReaderBuilder::new().from_reader(lines);
     let header = reader.headers().map_err(|e| anyhow::anyhow!(refuse(1, fault(&e, None))))?.clone();
-    let columns = columns::<T>()?;
-    if header != columns {
-        bail!(refuse(1, other_columns(&header, &columns)));
+    if header != *columns {
+        bail!(refuse(1, other_columns(&header, columns)));
     }
     let (mut rows, mut record) = (Vec::new(), StringRecord::new());
     loop {
@@ -62,13 +100,13 @@ fn parse<T: DeserializeOwned + Serialize + Default>(path: &Path, lines: &[u8]) -
             Ok(true) if record.iter().any(|field| field.contains('\n')) => {
                 bail!(refuse(line, "a quotation mark is not closed in this line".to_owned()));
             }
-            Ok(true) => match record.deserialize(Some(&columns)) {
+            Ok(true) => match row(&record) {
                 Ok(row) => rows.push(row),
-                Err(e) => bail!(refuse(line, fault(&e, Some(&columns)))),
+                Err(e) => bail!(refuse(line, fault(&e, Some(columns)))),
             },
             Err(e) => {
                 let line = e.position().map_or(line, csv::Position::line);
-                bail!(refuse(line, fault(&e, Some(&columns))));
+                bail!(refuse(line, fault(&e, Some(columns))));
             }
         }
     }
@@ -118,14 +156,30 @@ fn fault(error: &csv::Error, columns: Option<&StringRecord>) -> String {
 
 /// Rows as text, each one line: a line break within a field becomes a blank.
 fn encode<T: Serialize>(rows: &[T], header: bool) -> Result<Vec<u8>> {
-    let finish = |writer: csv::Writer<Vec<u8>>| writer.into_inner().map_err(|e| e.into_error());
     let mut writer = csv::WriterBuilder::new().has_headers(header).from_writer(Vec::new());
     for row in rows {
         writer.serialize(row)?;
     }
-    let bytes = finish(writer)?;
+    let lines = rows.len() + usize::from(header && !rows.is_empty());
+    one_line_each(finish(writer)?, lines)
+}
+
+/// [`encode`] for rows of fields below the given columns.
+fn encode_records(columns: &StringRecord, rows: &[StringRecord], header: bool) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in header.then_some(columns).into_iter().chain(rows) {
+        writer.write_record(row)?;
+    }
+    one_line_each(finish(writer)?, rows.len() + usize::from(header))
+}
+
+fn finish(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>> {
+    Ok(writer.into_inner().map_err(|e| e.into_error())?)
+}
+
+fn one_line_each(bytes: Vec<u8>, lines: usize) -> Result<Vec<u8>> {
     let breaks = bytes.iter().filter(|b| matches!(b, b'\n' | b'\r')).count();
-    if breaks == rows.len() + usize::from(header && !rows.is_empty()) {
+    if breaks == lines {
         return Ok(bytes);
     }
     let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
@@ -133,15 +187,28 @@ fn encode<T: Serialize>(rows: &[T], header: bool) -> Result<Vec<u8>> {
         let record = record?;
         writer.write_record(record.iter().map(|field| field.replace(['\n', '\r'], " ")))?;
     }
-    Ok(finish(writer)?)
+    finish(writer)
 }
 
 /// Appends rows in one write, so that a kill leaves at most one torn line.
 pub(super) fn append<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
+    append_bytes(path, |header| encode(rows, header))
+}
+
+/// [`append`] for rows of fields below the given columns.
+pub(super) fn append_records(
+    path: &Path,
+    columns: &StringRecord,
+    rows: &[StringRecord],
+) -> Result<()> {
+    append_bytes(path, |header| encode_records(columns, rows, header))
+}
+
+fn append_bytes(path: &Path, text: impl FnOnce(bool) -> Result<Vec<u8>>) -> Result<()> {
     let write = || -> Result<()> {
         let mut file = OpenOptions::new().create(true).append(true).open(path)?;
         let header = file.metadata()?.len() == 0;
-        file.write_all(&encode(rows, header)?)?;
+        file.write_all(&text(header)?)?;
         Ok(file.sync_data()?)
     };
     write().with_context(|| format!("cannot write {}", path.display()))
@@ -149,8 +216,20 @@ pub(super) fn append<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
 
 /// Writes the whole table anew; the one before it stays as `.bak`.
 pub(super) fn replace<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
-    let bytes = encode(rows, true)?;
-    atomic_file::replace(path, |mut file| file.write_all(&bytes))
+    replace_bytes(path, &encode(rows, true)?)
+}
+
+/// [`replace`] for rows of fields below the given columns.
+pub(super) fn replace_records(
+    path: &Path,
+    columns: &StringRecord,
+    rows: &[StringRecord],
+) -> Result<()> {
+    replace_bytes(path, &encode_records(columns, rows, true)?)
+}
+
+fn replace_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
+    atomic_file::replace(path, |mut file| file.write_all(bytes))
         .with_context(|| format!("cannot write {}", path.display()))
 }
 

@@ -1,5 +1,6 @@
-//! Studies over many seeds: those of the paper, and cars on tracks.
+//! Studies over many seeds: those of the paper, cars on tracks, and campaigns over any axes.
 
+pub mod campaign;
 mod csv_file;
 mod definition;
 mod ledger;

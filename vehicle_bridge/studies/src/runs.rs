@@ -53,9 +53,7 @@ impl Plan {
             let settings = fingerprint(&options);
             for seed in 0..u64::from(seeds) {
                 let (cell, settings) = (cell.clone(), settings.clone());
-                let mut options = options.clone();
-                options.seed = seed;
-                options.config.warm_up.seed = seed;
+                let options = options.clone().with_seed(seed);
                 plans.push(Self { cell, seed, settings, options });
             }
         }

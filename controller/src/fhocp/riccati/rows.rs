@@ -184,7 +184,8 @@ impl Rows {
     pub(super) fn bounds(&self, problem: &Fhocp, out: &mut [f64]) {
         let (stages, hull) = out.split_at_mut(self.hull());
         for (t, out) in stages.chunks_exact_mut(self.stride).enumerate() {
-            self.inputs(out, [problem.u_max, -problem.u_min], problem.du_max);
+            let [least, greatest] = problem.box_of(t);
+            self.inputs(out, [greatest, -least], problem.du_max);
             self.write(out, LANE, [problem.e_y_max[t], -problem.e_y_min[t], 0.0]);
             for (k, row, max) in [
                 (REAR, &problem.rear[t], problem.rear_max * problem.rear_share[t]),

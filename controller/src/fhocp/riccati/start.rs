@@ -73,7 +73,8 @@ impl Work {
     #[inline(always)]
     fn guess(&mut self, problem: &Fhocp) {
         let shape = self.rows.shape;
-        let u = problem.u_prev.sup(&problem.u_min).inf(&problem.u_max);
+        let [least, greatest] = problem.box_of(1);
+        let u = problem.u_prev.sup(&least).inf(&greatest);
         self.point.u.fill(u);
         self.point.s.fill([0.0; SOFT]);
         self.point.lambda.fill(1.0 / shape.hull as f64);

@@ -36,9 +36,7 @@ impl Case {
         let [car, track, plant] = names.map(str::to_owned);
         (0..u64::from(seeds))
             .map(|seed| {
-                let mut options = options.clone();
-                options.seed = seed;
-                options.config.warm_up.seed = seed;
+                let options = options.clone().with_seed(seed);
                 let (car, track, plant) = (car.clone(), track.clone(), plant.clone());
                 let key = Key { car, track, plant, seed, settings: settings.clone() };
                 Self { key, optimum, generated, options }
