@@ -358,6 +358,21 @@ impl Fault {
         problems
     }
 
+    /// What is done where, in the words of the bench file.
+    pub(super) fn words(&self) -> String {
+        let action = serde_json::to_value(&self.action).unwrap_or_default();
+        let Some((name, options)) = action.as_object().and_then(|all| all.iter().next()) else {
+            return String::new();
+        };
+        let mut words = name.replace('_', " ");
+        for (key, value) in options.as_object().into_iter().flatten().filter(|o| !o.1.is_null()) {
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            words = format!("{words} {key}={value}");
+        }
+        let place = if self.car { Some("the car") } else { self.channel.as_deref() };
+        place.map_or(words.clone(), |place| format!("{words} on {place}"))
+    }
+
     /// When it acts, relative to the scenario's `when`. \[ns\]
     pub(super) fn window_ns(&self) -> (i64, i64) {
         let ns = |s: f64| protocol::convert::nanoseconds(s);
