@@ -248,7 +248,8 @@ impl Service {
         self.options.overrun.iter().for_each(|overrun| overrun.wait(self.deadlines.steps));
         let time = stopwatch.stop();
         let cap = self.authority.speed_cap;
-        let input = operator::capped(command.input, state.vx, cap, &self.controller);
+        let before = self.last.map(|last| last.input).unwrap_or_default();
+        let input = operator::capped(command.input, before, state.vx, cap, &self.controller);
         let cut = input != command.input;
         self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
         let elapsed = || (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;

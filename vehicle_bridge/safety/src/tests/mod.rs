@@ -1,6 +1,7 @@
 //! A million random events against a model of the rules, and single cases.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
+mod boundaries;
 mod decode;
 mod doubt;
 mod edges;
