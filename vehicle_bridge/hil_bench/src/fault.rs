@@ -89,6 +89,13 @@ pub enum Action {
         #[serde(default)]
         token: Token,
     },
+    /// Well-formed messages of somebody who has no key, with what was sniffed.
+    Forge {
+        /// Which.
+        message: Forged,
+        /// Rate. \[1/s\]
+        rate_hz: f64,
+    },
     /// Well-formed commands in a storm.
     CommandStorm {
         /// Rate. \[1/s\]
@@ -194,10 +201,13 @@ pub enum Action {
         /// Which.
         process: String,
     },
-    /// SIGINT, as by Ctrl-C: the program ends by itself.
+    /// A signal at which a program ends by itself.
     Interrupt {
         /// Which.
         process: String,
+        /// The signal.
+        #[serde(default)]
+        signal: EndSignal,
     },
     /// SIGSTOP; SIGCONT at the fault's end.
     Stop {
@@ -236,6 +246,33 @@ pub enum Order {
     Stop,
     /// Start, by the grant of before, again and again.
     Start,
+}
+
+/// Signals at which a program ends by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndSignal {
+    /// SIGINT, as by Ctrl-C.
+    #[default]
+    Int,
+    /// SIGTERM, as by systemd.
+    Term,
+    /// SIGHUP, as by a terminal that is closed.
+    Hup,
+    /// SIGQUIT.
+    Quit,
+}
+
+/// Messages that are forged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Forged {
+    /// Heartbeats of another controller.
+    Heartbeat,
+    /// Orders of another operator: end of an emergency stop, arming and start, in turn.
+    Order,
+    /// States with the bridge's start and next numbers, 0.3 m to the left, to the controller.
+    State,
 }
 
 /// The grant a second controller claims.
@@ -317,7 +354,10 @@ impl Action {
     pub(super) fn is_storm(&self) -> bool {
         matches!(
             self,
-            Self::Storm { .. } | Self::SecondController { .. } | Self::CommandStorm { .. }
+            Self::Storm { .. }
+                | Self::SecondController { .. }
+                | Self::CommandStorm { .. }
+                | Self::Forge { .. }
         )
     }
 }
@@ -333,7 +373,7 @@ impl Fault {
             problems.push(format!("fault: share is {}, expected 0 to 1", self.share));
         }
         if let Action::Kill { process }
-        | Action::Interrupt { process }
+        | Action::Interrupt { process, .. }
         | Action::Stop { process }
         | Action::Restart { process } = &self.action
             && !processes.contains(process)
@@ -342,6 +382,7 @@ impl Fault {
         }
         if let Action::Storm { rate_hz, .. }
         | Action::SecondController { rate_hz, .. }
+        | Action::Forge { rate_hz, .. }
         | Action::CommandStorm { rate_hz, .. } = self.action
             && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
         {

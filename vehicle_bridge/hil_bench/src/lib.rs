@@ -10,6 +10,7 @@ mod controller_side;
 mod driver;
 pub mod fault;
 mod field;
+mod forge;
 pub mod host;
 pub mod malformed;
 pub mod measure;

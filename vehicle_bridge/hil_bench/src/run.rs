@@ -262,7 +262,7 @@ fn inject(
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;
             let (Action::Kill { process }
-            | Action::Interrupt { process }
+            | Action::Interrupt { process, .. }
             | Action::Stop { process }
             | Action::Restart { process }) = &fault.action
             else {
@@ -271,9 +271,9 @@ fn inject(
             let Some(program) = programs.iter_mut().find(|p| p.name == *process) else { continue };
             if since >= from && begun.is_none() {
                 *begun = Some(since);
-                match fault.action {
+                match &fault.action {
                     Action::Kill { .. } => program.kill(),
-                    Action::Interrupt { .. } => program.interrupt(),
+                    Action::Interrupt { signal, .. } => program.interrupt(*signal),
                     Action::Restart { .. } => program.restart()?,
                     _ => program.stop(),
                 }
