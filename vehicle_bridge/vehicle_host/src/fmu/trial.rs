@@ -1,0 +1,412 @@
+//! Small steps of throttle and steering that show which senses and units a map got wrong, and how
+//! the car's actuators answer. Pure: the car is whatever drives.
+//!
+//! The positions are the reference: x and y are taken for metres, x to y counter-clockwise. Their
+//! course and speed are what velocity, yaw rate and heading are compared with.
+
+use std::f64::consts::{PI, TAU};
+
+use vehicle_model::track::wrap_angle;
+use vehicle_model::{CarParams, Input};
+
+/// A car to be tried.
+pub trait TrialCar {
+    /// Why it does not drive on.
+    type Error;
+
+    /// Drives for `dt` \[s\] and measures v_x, v_y, omega_z, x, y, psi, in our units by the map.
+    ///
+    /// # Errors
+    /// Whatever ends the trial.
+    fn drive(&mut self, u: Input, dt: f64) -> Result<[f64; 6], Self::Error>;
+}
+
+/// What is wrong with an entry of a map, or that nothing is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// `input` or `state`.
+    pub section: &'static str,
+    /// The quantity.
+    pub quantity: &'static str,
+    /// The mapped value times this is ours.
+    pub factor: f64,
+    /// And this is added. \[our unit\]
+    pub offset: f64,
+    /// What was measured, and what it means.
+    pub note: String,
+    /// Whether the trial can know it.
+    pub sure: bool,
+}
+
+/// How an input acts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Until it begins to act. \[s\]
+    pub delay: f64,
+    /// Time constant of a first-order lag that fits. \[s\]
+    pub lag: f64,
+}
+
+/// What a trial found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// One for each quantity of the map.
+    pub findings: Vec<Finding>,
+    /// Of the acceleration.
+    pub throttle: Response,
+    /// Of the yaw rate on a step of steering: the actuator's and the car's own.
+    pub steering: Response,
+    /// Time between two measurements that differ. \[s\]
+    pub period: f64,
+}
+
+/// Why a trial found nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialError<E> {
+    /// The car refused.
+    #[error(transparent)]
+    Car(E),
+    /// It did not move, forwards or backwards.
+    #[error(
+        "the car moved {moved:.3} m in {seconds} s on a throttle of {asked:.2} m/s^2 and of its \
+         opposite, expected at least {LEAST} m: is `a` the right variable, is a gear engaged?"
+    )]
+    Still {
+        /// Way. \[m\]
+        moved: f64,
+        /// Time. \[s\]
+        seconds: f64,
+        /// Acceleration. \[m/s^2\]
+        asked: f64,
+    },
+    /// It did not turn.
+    #[error(
+        "the course changed by {turned:.4} rad in {seconds} s on a steering angle of {asked:.3} rad, \
+         expected at least {TURN} rad: is `delta` the right variable?"
+    )]
+    Straight {
+        /// Change of course. \[rad\]
+        turned: f64,
+        /// Time. \[s\]
+        seconds: f64,
+        /// Steering angle. \[rad\]
+        asked: f64,
+    },
+}
+
+/// Least way that is a movement. \[m\]
+const LEAST: f64 = 0.05;
+/// Least change of course that is a turn. \[rad\]
+const TURN: f64 = 0.01;
+/// Durations of throttle, coasting and steering. \[s\]
+const STAGES: [f64; 3] = [2.0, 0.5, 1.5];
+/// Share of the greatest acceleration that is tried. \[-\]
+const THROTTLE: f64 = 0.4;
+/// Lateral acceleration of the turn, where tyres follow in proportion. \[m/s^2\]
+const LATERAL: f64 = 1.5;
+/// A ratio this near to that of a unit is taken for it; of an answer, which slip and drag change.
+const NEAR: f64 = 0.04;
+const NEAR_ANSWER: f64 = 0.35;
+/// Ratios of units to ours.
+const UNITS: [(f64, &str); 8] = [
+    (1.0, ""),
+    (1.0 / 3.6, "km/h"),
+    (0.447_04, "mph"),
+    (PI / 180.0, "degrees"),
+    (9.806_65, "g"),
+    (1e-3, "thousandths"),
+    (1e-2, "hundredths"),
+    (1e3, "thousands"),
+];
+
+/// What was driven and measured at an instant.
+#[derive(Clone, Copy)]
+struct Sample {
+    time: f64,
+    q: [f64; 6],
+}
+
+/// Tries a car that `parameters` describe, with measurements every `dt` \[s\].
+///
+/// # Errors
+/// If the car refuses, does not move or does not turn.
+pub fn trial<C: TrialCar>(
+    car: &mut C,
+    parameters: &CarParams,
+    dt: f64,
+) -> Result<Trial, TrialError<C::Error>> {
+    let mut driver = Driver { car, dt, time: 0.0 };
+    let throttle = THROTTLE * parameters.a_max.min(-parameters.a_min);
+    let rest = driver.run(Input::default(), STAGES[1])?;
+    let mut sign = 1.0;
+    let mut pushed = driver.run(Input { a: throttle, delta: 0.0 }, STAGES[0])?;
+    let gained = |pushed: &[Sample]| speed_at_end(pushed) - speed_at_end(&rest);
+    if gained(&pushed) <= 0.0 || way(&pushed) < LEAST {
+        sign = -1.0;
+        pushed = driver.run(Input { a: -throttle, delta: 0.0 }, STAGES[0])?;
+        if way(&pushed) < LEAST {
+            let (moved, seconds) = (way(&pushed), STAGES[0]);
+            return Err(TrialError::Still { moved, seconds, asked: throttle });
+        }
+    }
+    let coasting = driver.run(Input::default(), STAGES[1])?;
+    let speed = speed_at_end(&coasting).max(0.1);
+    let wheelbase = parameters.wheelbase();
+    let delta = (LATERAL * wheelbase / (speed * speed)).atan().min(0.4 * parameters.delta_max);
+    let turned = driver.run(Input { a: 0.0, delta }, STAGES[2])?;
+    let turn =
+        course(&turned).last().map_or(0.0, |c| c.1) - course(&coasting).last().map_or(0.0, |c| c.1);
+    if wrap_angle(turn).abs() < TURN {
+        let (turned, seconds) = (wrap_angle(turn), STAGES[2]);
+        return Err(TrialError::Straight { turned, seconds, asked: delta });
+    }
+    let seen = Seen { pushed, coasting, turned, sign, throttle, delta, wheelbase };
+    Ok(seen.conclude(dt))
+}
+
+struct Driver<'a, C> {
+    car: &'a mut C,
+    dt: f64,
+    time: f64,
+}
+
+impl<C: TrialCar> Driver<'_, C> {
+    fn run(&mut self, u: Input, seconds: f64) -> Result<Vec<Sample>, TrialError<C::Error>> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "few steps")]
+        let steps = (seconds / self.dt).round().max(4.0) as usize;
+        let mut samples = Vec::with_capacity(steps);
+        for _ in 0..steps {
+            let q = self.car.drive(u, self.dt).map_err(TrialError::Car)?;
+            self.time += self.dt;
+            samples.push(Sample { time: self.time, q });
+        }
+        Ok(samples)
+    }
+}
+
+/// Everything driven.
+struct Seen {
+    pushed: Vec<Sample>,
+    coasting: Vec<Sample>,
+    turned: Vec<Sample>,
+    sign: f64,
+    throttle: f64,
+    delta: f64,
+    wheelbase: f64,
+}
+
+impl Seen {
+    fn conclude(&self, dt: f64) -> Trial {
+        let speeds = speeds(&self.pushed);
+        let half = |all: &[(f64, f64)]| all[all.len() / 2..].to_vec();
+        let gains = derivative(&speeds);
+        let gain = self.sign * median(half(&gains).iter().map(|g| g.1)) / self.throttle;
+        // By the positions, in the second half of the turn.
+        let rates = derivative(&course(&self.turned));
+        let rate = median(half(&rates).iter().map(|r| r.1));
+        let late = &self.turned[self.turned.len() / 2..];
+        let pace = median(self::speeds(&self.turned)[self.turned.len() / 4..].iter().map(|s| s.1));
+        let answer = rate / (pace * self.delta.tan() / self.wheelbase);
+
+        let v_x = median(self.coasting.iter().map(|s| s.q[0]));
+        let true_v_x = median(self::speeds(&self.coasting).iter().map(|s| s.1));
+        let omega = median(late.iter().map(|s| s.q[2]));
+        let mut findings = vec![
+            answered("input", "a", gain, "m/s^2 of the speed for each that was asked"),
+            answered("input", "delta", answer, "of the bend that the wheelbase gives"),
+            compared("v_x", true_v_x / v_x, "of the speed by x and y"),
+            compared("omega_z", rate / omega, "of the turn by x and y"),
+        ];
+        let psi = self.heading();
+        findings.extend([self.lateral(&psi, pace), psi]);
+        let mirrored = |of: &str| findings.iter().any(|f| f.quantity == of && f.factor < 0.0);
+        if ["delta", "omega_z", "psi"].into_iter().all(mirrored) {
+            for finding in &mut findings {
+                if ["delta", "omega_z", "psi"].contains(&finding.quantity) {
+                    finding.note += "; or y is mirrored: x to y must turn to the left";
+                    finding.sure = false;
+                }
+            }
+        }
+        let throttle = response(&gains, self.pushed[0].time - dt);
+        let yaw: Vec<_> = self.turned.iter().map(|s| (s.time, s.q[2])).collect();
+        Trial {
+            findings,
+            throttle,
+            steering: response(&yaw, self.turned[0].time - dt),
+            period: period(&self.turned, dt),
+        }
+    }
+
+    /// Sense and zero of the heading: on the straight it is the course.
+    fn heading(&self) -> Finding {
+        let straight = course(&self.coasting);
+        let from = straight.last().map_or(0.0, |c| c.1);
+        let to = course(&self.turned).last().map_or(0.0, |c| c.1);
+        let psi = |samples: &[Sample]| samples.last().map_or(0.0, |s| s.q[5]);
+        let (turned, read) = (wrap_angle(to - from), psi(&self.turned) - psi(&self.coasting));
+        // A full turn in between is that of the wrapping.
+        let read = if read.abs() > PI { read - TAU * read.signum() } else { read };
+        let mut finding = compared("psi", turned / read, "of the change of course by x and y");
+        let zero = wrap_angle(from - finding.factor * psi(&self.coasting));
+        // Of a quarter turn, or nothing: a car on a straight points along its course.
+        let quarters = (zero / (0.5 * PI)).round();
+        finding.offset = if quarters == 0.0 { 0.0 } else { quarters * 0.5 * PI };
+        if quarters != 0.0 {
+            let degrees = 90.0 * quarters;
+            finding.note = format!("{}; zero {degrees} degrees off", finding.note);
+        }
+        if (zero - finding.offset).abs() > 0.1 {
+            finding.sure = false;
+            finding.note =
+                format!("{}; {:.2} rad from the course", finding.note, zero - finding.offset);
+        }
+        finding
+    }
+
+    /// Sense of the lateral velocity, from the angle between heading and course. Its size is small and
+    /// is not judged.
+    fn lateral(&self, psi: &Finding, pace: f64) -> Finding {
+        let n = stride(&self.turned);
+        let slips = course(&self.turned).into_iter().enumerate().filter_map(|(i, (_, towards))| {
+            // Between the two positions whose course it is.
+            let (a, b) = (self.turned.get(i + n / 2)?, self.turned.get(i + n.div_ceil(2))?);
+            let heading = psi.factor * (a.q[5] + 0.5 * (b.q[5] - a.q[5])) + psi.offset;
+            Some((pace * wrap_angle(towards - heading).sin(), 0.5 * (a.q[1] + b.q[1])))
+        });
+        let (mut together, mut drift, mut read, mut count) = (0.0, 0.0, 0.0, 0.0_f64);
+        for (expected, found) in slips {
+            together += expected * found;
+            (drift, read, count) = (drift + expected * expected, read + found * found, count + 1.0);
+        }
+        let agreement = together / (drift * read).sqrt();
+        if !(agreement.abs() > 0.8 && (drift / count).sqrt() > 2e-3 * pace) {
+            return unknown("v_y");
+        }
+        let mut note = format!("agrees by {agreement:.2} with the drift by x, y and psi");
+        if agreement < 0.0 {
+            note += "; positive the other way";
+        }
+        let factor = agreement.signum();
+        Finding { section: "state", quantity: "v_y", factor, offset: 0.0, note, sure: psi.sure }
+    }
+}
+
+fn unknown(quantity: &'static str) -> Finding {
+    let note = "too small in this trial to tell its sense".to_owned();
+    Finding { section: "state", quantity, factor: 1.0, offset: 0.0, note, sure: false }
+}
+
+/// A measured quantity against the positions.
+fn compared(quantity: &'static str, ratio: f64, of: &str) -> Finding {
+    snapped("state", quantity, ratio, NEAR, of)
+}
+
+/// What an input does against what it should.
+fn answered(section: &'static str, quantity: &'static str, ratio: f64, of: &str) -> Finding {
+    snapped(section, quantity, ratio, NEAR_ANSWER, of)
+}
+
+fn snapped(
+    section: &'static str,
+    quantity: &'static str,
+    ratio: f64,
+    near: f64,
+    of: &str,
+) -> Finding {
+    let distance = |unit: f64| (ratio.abs() / unit).ln().abs();
+    let known = UNITS.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
+    let found = known.filter(|(unit, _)| distance(*unit) < near && ratio.is_finite());
+    let mut note = format!("{ratio:.3} {of}");
+    if ratio < 0.0 {
+        note += "; positive the other way";
+    }
+    let sense = if ratio < 0.0 { -1.0 } else { 1.0 };
+    match found {
+        Some((unit, name)) => {
+            if !name.is_empty() {
+                note = format!("{note}; in {name}");
+            }
+            Finding { section, quantity, factor: sense * unit, offset: 0.0, note, sure: true }
+        }
+        None => {
+            note += "; the ratio of no unit known here";
+            Finding { section, quantity, factor: sense, offset: 0.0, note, sure: false }
+        }
+    }
+}
+
+fn way(samples: &[Sample]) -> f64 {
+    let step = |p: &[Sample]| (p[1].q[3] - p[0].q[3]).hypot(p[1].q[4] - p[0].q[4]);
+    samples.windows(2).map(step).sum()
+}
+
+/// Distance of two samples whose difference is a speed or a course: noise has less weight over it.
+fn stride(samples: &[Sample]) -> usize {
+    (samples.len() / 20).max(1)
+}
+
+/// Speed by the positions, over time.
+fn speeds(samples: &[Sample]) -> Vec<(f64, f64)> {
+    let n = stride(samples);
+    let pairs = samples.iter().zip(&samples[n..]);
+    let speed = |(a, b): (&Sample, &Sample)| {
+        let (dx, dy) = (b.q[3] - a.q[3], b.q[4] - a.q[4]);
+        (0.5 * (a.time + b.time), dx.hypot(dy) / (b.time - a.time))
+    };
+    pairs.map(speed).collect()
+}
+
+fn speed_at_end(samples: &[Sample]) -> f64 {
+    speeds(samples).last().map_or(0.0, |s| s.1)
+}
+
+/// Course by the positions, over time, without jumps.
+fn course(samples: &[Sample]) -> Vec<(f64, f64)> {
+    let n = stride(samples);
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for (a, b) in samples.iter().zip(&samples[n..]) {
+        let (dx, dy) = (b.q[3] - a.q[3], b.q[4] - a.q[4]);
+        if dx.hypot(dy) > 0.0 {
+            let angle = dy.atan2(dx);
+            let angle = all.last().map_or(angle, |last| last.1 + wrap_angle(angle - last.1));
+            all.push((0.5 * (a.time + b.time), angle));
+        }
+    }
+    all
+}
+
+fn derivative(values: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let n = (values.len() / 20).max(1);
+    let pairs = values.iter().zip(values.get(n..).unwrap_or_default());
+    pairs.map(|(a, b)| (0.5 * (a.0 + b.0), (b.1 - a.1) / (b.0 - a.0))).collect()
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Delay and lag of an answer that begins after `from` \[s\], by its tenth and its 63 % \[-\] of the
+/// steady value: of a first-order lag T behind a delay d, d + 0.105 T and d + T.
+fn response(values: &[(f64, f64)], from: f64) -> Response {
+    let steady = median(values[values.len() * 2 / 3..].iter().map(|v| v.1));
+    let when = |share: f64| {
+        let reached = values.iter().find(|v| v.1 / steady >= share);
+        reached.map_or(f64::NAN, |v| v.0 - from)
+    };
+    let (tenth, most) = (when(0.1), when(0.632));
+    let lag = ((most - tenth) / 0.895).max(0.0);
+    Response { delay: (tenth - 0.105 * lag).max(0.0), lag }
+}
+
+/// How often the measurements change.
+fn period(samples: &[Sample], dt: f64) -> f64 {
+    let changes = samples.windows(2).filter(|p| p[0].q != p[1].q).count();
+    dt * (samples.len() - 1) as f64 / changes.max(1) as f64
+}
+
+#[cfg(test)]
+#[path = "trial_tests.rs"]
+mod tests;
