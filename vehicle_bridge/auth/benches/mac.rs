@@ -164,7 +164,7 @@ fn main() {
         times(|_| network.publish(channel, black_box(&bytes)).unwrap())
     };
     // On a channel that nobody asked for: signed and sent, no more.
-    let unheard = "BENCH/NOBODY";
+    let unheard = "HB/nobody";
     let [plain_out, signed_out] = [send(&*plain, unheard), send(&sender, unheard)];
     let [plain_both, signed_both] =
         [send(&*plain, channels::COMMAND), send(&sender, channels::COMMAND)];
