@@ -1,7 +1,7 @@
 //! What a run looked like over time, for the verdict: speed, room, inputs and states.
 
 use lcm_types::{Heartbeat, MpcTelemetry};
-use safety::Phase;
+use safety::BridgeState;
 use serde::Serialize;
 use vehicle_model::State;
 
@@ -86,7 +86,7 @@ impl Heard {
             delta_rad: r.steer,
         });
         let source = reports().map(|r| (time_s(r.h.mono_ns), source(r.source)));
-        let phase = |(ns, state): (i64, i8)| (time_s(ns), Phase::name_of(state));
+        let phase = |(ns, state): (i64, i8)| (time_s(ns), BridgeState::name_of(state));
         let of = |beat: &Heartbeat| (beat.h.mono_ns, beat.state);
         let mut bridge: Vec<_> = self.beats.iter().map(of).collect();
         bridge.extend(self.acks.iter().map(|ack| (ack.h.mono_ns, ack.state)));

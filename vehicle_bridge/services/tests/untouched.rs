@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
 use lcm_types::{ActuationCommand, Checked as _, Header};
-use protocol::convert::{Answered, Order};
+use protocol::convert::{Answered, CommandDraft};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
-use safety::{Answer, Event, OrderKind, Phase, Rules, Safety, decode, step};
+use safety::{Answer, BridgeState, Event, OrderKind, Rules, Safety, decode, step};
 use services::operator::{capped, plan_cap};
 use vehicle_model::{CarParams, Input, Limit, Plant, PlantParams, SensorNoise, State, Track};
 
@@ -175,7 +175,7 @@ fn drive(seed: u64) -> Seen {
             let command = controller.step(&Measurement { time, pose: Pose::Frenet(x), applied });
             wanted = Some(command.input);
             let input = capped(command.input, last, x.v_x, cap, &controller);
-            let order = Order {
+            let order = CommandDraft {
                 answered: Answered { boot_id: BRIDGE, seq: at_ms, mono_ns: at_ms * MS },
                 mode: ActuationCommand::MODE_DRIVE,
                 input,
@@ -199,8 +199,8 @@ fn drive(seed: u64) -> Seen {
         if tick {
             let output = bridge.on(&Event::Tick, at_ms);
             assert_eq!(
-                bridge.safety.phase(),
-                Phase::Running,
+                bridge.safety.bridge_state(),
+                BridgeState::Running,
                 "{}: {:?}",
                 context(),
                 bridge.safety.stop_reason()

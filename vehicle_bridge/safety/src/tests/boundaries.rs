@@ -183,10 +183,10 @@ fn a_start_without_commands_ends() {
         for at_ns in [NOW + by_ns - 1, NOW + by_ns] {
             core.on(Event::Tick, at_ns);
         }
-        core.safety.phase()
+        core.safety.bridge_state()
     };
     // It stands: SAFE_STOP ends at once.
-    assert_eq!([after(1000 * MS), after(1000 * MS + 1)], [Phase::Running, Phase::Idle]);
+    assert_eq!([after(1000 * MS), after(1000 * MS + 1)], [BridgeState::Running, BridgeState::Idle]);
 }
 
 #[test]
