@@ -149,6 +149,7 @@ pub fn trial<C: TrialCar>(
             return Err(TrialError::Still { moved, seconds, asked: throttle });
         }
     }
+    let before = if sign > 0.0 { speed_read(&rest) } else { f64::NAN };
     let coasting = driver.run(Input::default(), STAGES[1])?;
     let speed = speed_at_end(&coasting).max(0.1);
     let wheelbase = parameters.wheelbase();
@@ -160,7 +161,7 @@ pub fn trial<C: TrialCar>(
         let (turned, seconds) = (wrap_angle(turn), STAGES[2]);
         return Err(TrialError::Straight { turned, seconds, asked: delta });
     }
-    let seen = Seen { pushed, coasting, turned, sign, throttle, delta, wheelbase };
+    let seen = Seen { before, pushed, coasting, turned, sign, throttle, delta, wheelbase };
     Ok(seen.conclude(dt))
 }
 
@@ -186,6 +187,8 @@ impl<C: TrialCar> Driver<'_, C> {
 
 /// Everything driven.
 struct Seen {
+    /// v_x as read before the throttle; not a number where it was another throttle.
+    before: f64,
     pushed: Vec<Sample>,
     coasting: Vec<Sample>,
     turned: Vec<Sample>,
@@ -228,7 +231,7 @@ impl Seen {
                 }
             }
         }
-        let throttle = response(&gains, self.pushed[0].time - dt);
+        let throttle = self.throttle_response(dt);
         let yaw: Vec<_> = self.turned.iter().map(|s| (s.time, s.q[2])).collect();
         Trial {
             findings,
@@ -236,6 +239,22 @@ impl Seen {
             steering: response(&yaw, self.turned[0].time - dt),
             period: period(&self.turned, dt),
         }
+    }
+
+    /// Of a first-order lag T behind a delay d the speed gains A (t - d - T) in the end. That line
+    /// meets the speed of before at d + T, where the speed has gained A T / e.
+    fn throttle_response(&self, dt: f64) -> Response {
+        let from = self.pushed[0].time - dt;
+        let late = &self.pushed[self.pushed.len() / 2..];
+        let (first, last) = (late[0], late[late.len() - 1]);
+        let slope = (last.q[0] - first.q[0]) / (last.time - first.time);
+        let both = last.time - from - (last.q[0] - self.before) / slope;
+        let at = self.pushed.iter().find(|sample| sample.time - from >= both);
+        let gained = at.map_or(0.0, |sample| sample.q[0] - self.before);
+        // A measurement late by a part of a step is no lag.
+        let lag = (std::f64::consts::E * gained / slope).clamp(0.0, both.max(0.0));
+        let lag = if lag < 2.0 * dt { 0.0 } else { lag };
+        Response { delay: (both - lag).max(0.0), lag }
     }
 
     /// Sense and zero of the heading: on the straight it is the course.
@@ -355,6 +374,11 @@ fn speeds(samples: &[Sample]) -> Vec<(f64, f64)> {
         (0.5 * (a.time + b.time), dx.hypot(dy) / (b.time - a.time))
     };
     pairs.map(speed).collect()
+}
+
+/// The last v_x as read.
+fn speed_read(samples: &[Sample]) -> f64 {
+    samples.last().map_or(f64::NAN, |sample| sample.q[0])
 }
 
 fn speed_at_end(samples: &[Sample]) -> f64 {
