@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::controller::Controller;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;
-use crate::memory::Memory;
+use crate::memory::{Inherited, Memory};
 use crate::status::LapKind;
 use crate::store::{self, Identity, Learned};
 
@@ -18,6 +18,7 @@ impl Controller {
             identity: self.identity(),
             grip: self.memory.grip,
             delay: self.delay(),
+            ridge: self.memory.ridge,
             laps: self.memory.dataset.laps.clone(),
         }
     }
@@ -43,6 +44,7 @@ impl Controller {
         self.identity().accept(&learned.identity)?;
         let mut memory = Memory::new(&self.setup.config);
         memory.grip = learned.grip;
+        memory.inherited = Inherited { laps: learned.laps.len(), ridge: learned.ridge };
         memory.dataset.laps = learned.laps;
         let learning = |lap: &&Arc<Lap>| lap.result.valid && lap.result.kind == LapKind::Learning;
         memory.learned_laps = memory.dataset.laps.iter().filter(learning).count() as u32;

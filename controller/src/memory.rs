@@ -66,6 +66,8 @@ pub(crate) struct Memory {
     pub(crate) learned_piece: bool,
     /// Ridge weight that the noise of the data asks for.
     pub(crate) ridge: f64,
+    /// The laps that were not driven by this controller.
+    pub(crate) inherited: Inherited,
     /// The car has driven since the controller began.
     pub(crate) underway: bool,
     /// The way back to the line after an incident, while it lasts.
@@ -75,6 +77,15 @@ pub(crate) struct Memory {
     /// Made of the rest at lap end.
     #[serde(skip)]
     pub(crate) derived: Derived,
+}
+
+/// The first laps of the data, if they were loaded or adopted.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(crate) struct Inherited {
+    /// Number of them.
+    pub(crate) laps: usize,
+    /// Ridge weight that their noise asks for while the regression uses any of them.
+    pub(crate) ridge: f64,
 }
 
 /// A measurement that was believed.
@@ -110,6 +121,7 @@ impl Memory {
             lap_end: LapEnd::default(),
             learned_piece: false,
             ridge: 0.0,
+            inherited: Inherited::default(),
             underway: false,
             recovery: None,
             rng: Pcg64::seed_from_u64(config.warm_up.seed),

@@ -10,7 +10,7 @@ use crate::error::DataError;
 use crate::learning::dataset::Lap;
 
 const MAGIC: &[u8; 8] = b"LMPCDATA";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -21,6 +21,8 @@ pub struct Learned {
     pub(crate) grip: [f64; 2],
     /// Whole periods between a command and its effect.
     pub(crate) delay: usize,
+    /// Ridge weight that the noise of the laps asks for.
+    pub(crate) ridge: f64,
     pub(crate) laps: Vec<Arc<Lap>>,
 }
 

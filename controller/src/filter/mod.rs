@@ -100,9 +100,7 @@ impl Filter {
 
     /// Ridge weight that the noise of the measured velocities asks for.
     pub(crate) fn ridge(&self, estimate: &Estimate) -> f64 {
-        let [v_x, v_y, omega_z] = self.velocity_noise(estimate);
-        let most = v_x.max(v_y).max(omega_z * self.length * self.length);
-        most / (RIDGE_NOISE * self.speed).powi(2)
+        ridge_of(self.velocity_noise(estimate), self.length, self.speed)
     }
 
     /// The estimate of a measurement connected with nothing before.
@@ -177,6 +175,12 @@ impl Filter {
         estimate.steps.push(Step::new(prediction, &p, &state, &after));
         state
     }
+}
+
+/// Ridge weight for targets with these variances, of a car with wheelbase l and speed sqrt(mu g l).
+pub(crate) fn ridge_of([v_x, v_y, omega_z]: [f64; 3], length: f64, speed: f64) -> f64 {
+    let most = v_x.max(v_y).max(omega_z * length * length);
+    most / (RIDGE_NOISE * speed).powi(2)
 }
 
 impl Estimate {

@@ -24,10 +24,11 @@ use vehicle_model::{Input, Outline, State};
 
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::{Controller, Setup};
-use crate::learning::dataset::{Lap, select};
+use crate::learning::dataset::{Lap, Sample, select};
 use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip::{self, Fit};
 use crate::learning::regression::{RegressionData, Target, leap_order};
+use crate::memory::Inherited;
 use crate::status::LapKind;
 
 /// Samples of a piece for each stage of the horizon.
@@ -266,7 +267,9 @@ impl Controller {
         }
         self.memory.learned |= self.memory.learning && work.laps == self.memory.dataset.laps.len();
         let asked = self.setup.filter.as_ref().map(|filter| filter.ridge(&self.memory.estimate));
-        self.memory.ridge = asked.unwrap_or_default();
+        let Inherited { laps, ridge } = self.memory.inherited;
+        let used = self.setup.first_lap(self.memory.lap_end.laps) < laps;
+        self.memory.ridge = asked.unwrap_or_default().max(if used { ridge } else { 0.0 });
         self.apply_learned();
         self.make_envelope();
     }
@@ -303,11 +306,27 @@ impl Setup {
         grip: [f64; 2],
         (points, targets): (&mut Vec<(State, Input)>, &mut Vec<[f64; 3]>),
     ) {
-        let order = || leap_order(lap.samples.len(), range.clone());
-        let known = order().filter_map(|i| Some((&lap.samples[i], lap.samples[i].next?)));
+        let samples = leap_order(lap.samples.len(), range).map(|i| &lap.samples[i]);
+        self.targets(samples, grip, points, targets);
+        for ((x, u), y) in points.iter().zip(targets) {
+            if y.iter().all(|v| v.is_finite()) {
+                data.add(Target::new(x, u, *y));
+            }
+        }
+    }
+
+    /// What the regression has to explain of the samples whose successor is known: in full mode their
+    /// next velocities, in error mode what the nominal model with this grip gets wrong of them.
+    pub(crate) fn targets<'a>(
+        &self,
+        samples: impl Iterator<Item = &'a Sample>,
+        grip: [f64; 2],
+        points: &mut Vec<(State, Input)>,
+        targets: &mut Vec<[f64; 3]>,
+    ) {
         points.clear();
         targets.clear();
-        for (sample, next) in known {
+        for (sample, next) in samples.filter_map(|sample| Some((sample, sample.next?))) {
             points.push((sample.x, sample.u));
             targets.push(next);
         }
@@ -319,11 +338,6 @@ impl Setup {
                     *target -= expected;
                 }
             });
-        }
-        for ((x, u), y) in points.iter().zip(targets) {
-            if y.iter().all(|v| v.is_finite()) {
-                data.add(Target::new(x, u, *y));
-            }
         }
     }
 }
