@@ -16,9 +16,12 @@ const MS: i64 = 1_000_000;
 const ROUNDS: usize = 5_000;
 const CONTROLLER: i64 = 7;
 
+/// Who asked for which channels.
+type Asked = (Filter, Arc<Mutex<Box<dyn Sink>>>);
+
 /// Hands every message to everybody who asked for its channel.
 #[derive(Default)]
-struct Bus(Mutex<Vec<(Filter, Arc<Mutex<Box<dyn Sink>>>)>>);
+struct Bus(Mutex<Vec<Asked>>);
 
 impl Transport for Bus {
     fn publish(&self, channel: &str, payload: &[u8]) -> Result<(), Error> {

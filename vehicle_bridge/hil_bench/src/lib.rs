@@ -9,6 +9,7 @@ pub mod bench;
 mod controller_side;
 mod driver;
 pub mod fault;
+mod fault_names;
 mod field;
 mod forge;
 pub mod host;

@@ -49,11 +49,11 @@ impl Case {
         car.a_max *= between(0.7, 1.0);
         car.a_min *= between(0.7, 1.0);
         car.delta_max *= between(0.9, 1.0);
-        if seed % 2 == 0 {
+        if seed.is_multiple_of(2) {
             car.a_rate_max = Some(car.a_max * between(5.0, 40.0));
             car.delta_rate_max = Some(car.delta_max * between(5.0, 25.0));
         }
-        if seed % 3 == 0 {
+        if seed.is_multiple_of(3) {
             car.actuator_delay = between(0.0, 0.05);
         }
         assert_eq!(car.validate(), vec![], "seed {seed}");
@@ -61,7 +61,7 @@ impl Case {
         let mut config = Config::derived(Preset::Race, &car, &track);
         let period_ms = (1e3 * config.horizon.period).round() as i64;
         // A fifth of the drives with a command for each tick of the bridge.
-        let ticks = if seed % 5 == 0 { 1 } else { (period_ms / TICK_MS).max(1) };
+        let ticks = if seed.is_multiple_of(5) { 1 } else { (period_ms / TICK_MS).max(1) };
         config.horizon.period = 1e-3 * (ticks * TICK_MS) as f64;
         let noise = [0.0, 0.001, 0.003][seed as usize % 3];
         let latency_ms = between(0.0, 0.8 * (ticks * TICK_MS) as f64) as i64;

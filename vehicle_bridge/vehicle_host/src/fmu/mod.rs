@@ -9,6 +9,7 @@ pub mod map;
 mod preload;
 mod reduced;
 mod sense;
+mod signals;
 mod slave;
 pub mod trial;
 pub mod units;

@@ -9,6 +9,12 @@ use std::f64::consts::{PI, TAU};
 use vehicle_model::track::wrap_angle;
 use vehicle_model::{CarParams, Input};
 
+pub use super::signals::Response;
+use super::signals::{
+    Sample, course, derivative, median, period, response, speed_at_end, speed_read, speeds, stride,
+    way,
+};
+
 /// A car to be tried.
 pub trait TrialCar {
     /// Why it does not drive on.
@@ -36,15 +42,6 @@ pub struct Finding {
     pub note: String,
     /// Whether the trial can know it.
     pub sure: bool,
-}
-
-/// How an input acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
-    /// Until it begins to act. \[s\]
-    pub delay: f64,
-    /// Time constant of a first-order lag that fits. \[s\]
-    pub lag: f64,
 }
 
 /// What a trial found.
@@ -118,13 +115,6 @@ const UNITS: [(f64, &str); 8] = [
     (1e-2, "hundredths"),
     (1e3, "thousands"),
 ];
-
-/// What was driven and measured at an instant.
-#[derive(Clone, Copy)]
-struct Sample {
-    time: f64,
-    q: [f64; 6],
-}
 
 /// Tries a car that `parameters` describe, with measurements every `dt` \[s\].
 ///
@@ -200,19 +190,19 @@ struct Seen {
 
 impl Seen {
     fn conclude(&self, dt: f64) -> Trial {
-        let speeds = speeds(&self.pushed);
+        let pace_over_time = speeds(&self.pushed);
         let half = |all: &[(f64, f64)]| all[all.len() / 2..].to_vec();
-        let gains = derivative(&speeds);
+        let gains = derivative(&pace_over_time);
         let gain = self.sign * median(half(&gains).iter().map(|g| g.1)) / self.throttle;
         // By the positions, in the second half of the turn.
         let rates = derivative(&course(&self.turned));
         let rate = median(half(&rates).iter().map(|r| r.1));
         let late = &self.turned[self.turned.len() / 2..];
-        let pace = median(self::speeds(&self.turned)[self.turned.len() / 4..].iter().map(|s| s.1));
+        let pace = median(speeds(&self.turned)[self.turned.len() / 4..].iter().map(|s| s.1));
         let answer = rate / (pace * self.delta.tan() / self.wheelbase);
 
         let v_x = median(self.coasting.iter().map(|s| s.q[0]));
-        let true_v_x = median(self::speeds(&self.coasting).iter().map(|s| s.1));
+        let true_v_x = median(speeds(&self.coasting).iter().map(|s| s.1));
         let omega = median(late.iter().map(|s| s.q[2]));
         let mut findings = vec![
             answered("input", "a", gain, "m/s^2 of the speed for each that was asked"),
@@ -353,82 +343,6 @@ fn snapped(
             Finding { section, quantity, factor: sense, offset: 0.0, note, sure: false }
         }
     }
-}
-
-fn way(samples: &[Sample]) -> f64 {
-    let step = |p: &[Sample]| (p[1].q[3] - p[0].q[3]).hypot(p[1].q[4] - p[0].q[4]);
-    samples.windows(2).map(step).sum()
-}
-
-/// Distance of two samples whose difference is a speed or a course: noise has less weight over it.
-fn stride(samples: &[Sample]) -> usize {
-    (samples.len() / 20).max(1)
-}
-
-/// Speed by the positions, over time.
-fn speeds(samples: &[Sample]) -> Vec<(f64, f64)> {
-    let n = stride(samples);
-    let pairs = samples.iter().zip(&samples[n..]);
-    let speed = |(a, b): (&Sample, &Sample)| {
-        let (dx, dy) = (b.q[3] - a.q[3], b.q[4] - a.q[4]);
-        (0.5 * (a.time + b.time), dx.hypot(dy) / (b.time - a.time))
-    };
-    pairs.map(speed).collect()
-}
-
-/// The last v_x as read.
-fn speed_read(samples: &[Sample]) -> f64 {
-    samples.last().map_or(f64::NAN, |sample| sample.q[0])
-}
-
-fn speed_at_end(samples: &[Sample]) -> f64 {
-    speeds(samples).last().map_or(0.0, |s| s.1)
-}
-
-/// Course by the positions, over time, without jumps.
-fn course(samples: &[Sample]) -> Vec<(f64, f64)> {
-    let n = stride(samples);
-    let mut all: Vec<(f64, f64)> = Vec::new();
-    for (a, b) in samples.iter().zip(&samples[n..]) {
-        let (dx, dy) = (b.q[3] - a.q[3], b.q[4] - a.q[4]);
-        if dx.hypot(dy) > 0.0 {
-            let angle = dy.atan2(dx);
-            let angle = all.last().map_or(angle, |last| last.1 + wrap_angle(angle - last.1));
-            all.push((0.5 * (a.time + b.time), angle));
-        }
-    }
-    all
-}
-
-fn derivative(values: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let n = (values.len() / 20).max(1);
-    let pairs = values.iter().zip(values.get(n..).unwrap_or_default());
-    pairs.map(|(a, b)| (0.5 * (a.0 + b.0), (b.1 - a.1) / (b.0 - a.0))).collect()
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut all: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// Delay and lag of an answer that begins after `from` \[s\], by its tenth and its 63 % \[-\] of the
-/// steady value: of a first-order lag T behind a delay d, d + 0.105 T and d + T.
-fn response(values: &[(f64, f64)], from: f64) -> Response {
-    let steady = median(values[values.len() * 2 / 3..].iter().map(|v| v.1));
-    let when = |share: f64| {
-        let reached = values.iter().find(|v| v.1 / steady >= share);
-        reached.map_or(f64::NAN, |v| v.0 - from)
-    };
-    let (tenth, most) = (when(0.1), when(0.632));
-    let lag = ((most - tenth) / 0.895).max(0.0);
-    Response { delay: (tenth - 0.105 * lag).max(0.0), lag }
-}
-
-/// How often the measurements change.
-fn period(samples: &[Sample], dt: f64) -> f64 {
-    let changes = samples.windows(2).filter(|p| p[0].q != p[1].q).count();
-    dt * (samples.len() - 1) as f64 / changes.max(1) as f64
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ impl TrialCar for Wrong {
     fn drive(&mut self, u: Input, dt: f64) -> Result<[f64; 6], Infallible> {
         let u = Input { a: self.input[0] * u.a, delta: self.input[1] * u.delta };
         self.plant.apply(u, dt);
-        if self.count % self.every == 0 {
+        if self.count.is_multiple_of(self.every) {
             let g = self.plant.global();
             let mut q = [g.v_x, g.v_y, g.omega_z, g.x, g.y, g.psi];
             for (value, (factor, offset)) in q.iter_mut().zip(self.state) {
