@@ -107,7 +107,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/driven_laps", "anyhow controller csv lcm_types vehicle_model"),
     (
         "vehicle_bridge/hil_bench",
-        "anyhow auth controller hosting lcm_types nix protocol rand rand_distr rand_pcg serde serde_json socket2 svg_page transport vehicle_host vehicle_model",
+        "anyhow auth controller hosting lcm_types nix protocol rand rand_distr rand_pcg safety serde serde_json sha2 socket2 svg_page time transport vehicle_host vehicle_model",
     ),
     (
         "vehicle_bridge/hosting",

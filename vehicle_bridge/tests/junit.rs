@@ -11,16 +11,18 @@ use roxmltree::{Document, Node};
 type Rule =
     (&'static str, &'static [&'static str], &'static [&'static str], &'static [&'static str]);
 
-const RULES: [Rule; 5] = [
+const RULES: [Rule; 7] = [
     ("testsuites", &["testsuite"], &[], &["name", "time", "tests", "failures", "errors"]),
     (
         "testsuite",
-        &["testcase"],
+        &["properties", "testcase"],
         &["name", "tests", "failures", "errors"],
         // Surefire wants these two as well.
         &["time", "skipped"],
     ),
     ("testcase", &["failure", "system-out"], &["name"], &["time", "classname"]),
+    ("properties", &["property"], &[], &[]),
+    ("property", &[], &["name", "value"], &[]),
     ("system-out", &[], &[], &[]),
     ("failure", &[], &[], &["type", "message"]),
 ];

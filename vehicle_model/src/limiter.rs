@@ -6,9 +6,6 @@ use crate::state::Input;
 /// Violations below this are solver tolerance and are not reported as clipping. \[m/s^2, rad\]
 const TOLERANCE: f64 = 1e-6;
 
-/// Time in which an excess over the speed cap is to vanish. \[s\]
-const CAP_TIME: f64 = 0.5;
-
 /// One limit; its value is its bit in [`Limited::bits`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
@@ -64,6 +61,9 @@ impl Limited {
 }
 
 impl Limiter {
+    /// Time in which an excess over the speed cap is to vanish. \[s\]
+    pub const CAP_TIME: f64 = 0.5;
+
     /// The car's own limits, without a speed cap.
     #[must_use]
     pub fn new(car: &CarParams) -> Self {
@@ -96,7 +96,7 @@ impl Limiter {
         let to_cap = if self.speed_cap == f64::INFINITY {
             f64::INFINITY
         } else {
-            finite((self.speed_cap - v_x) / CAP_TIME, 0.0)
+            finite((self.speed_cap - v_x) / Self::CAP_TIME, 0.0)
         };
         let a = finite(asked.a, was_a);
         let a = bound(a, f64::NEG_INFINITY, to_cap, Limit::SpeedCap);

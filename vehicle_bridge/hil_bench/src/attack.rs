@@ -1,18 +1,44 @@
 //! Malformed and forged datagrams.
 
-use lcm_types::{ActuationCommand, Checked as _, Header, channels};
+use lcm_types::{ActuationCommand, Checked as _, Header, Heartbeat, Message as _, channels};
 use rand::RngExt as _;
 
 use super::fault::{Action, Token};
+use super::forge;
 use super::proxy::Active;
 use super::random::{self, Random};
 use super::wire::{fragment, parts};
 
 /// Boot id of the second controller.
-const STRANGER: i64 = 0x00c0_ffee;
+pub(super) const STRANGER: i64 = 0x00c0_ffee;
 
 /// Numbers an impostor is ahead of the source: the source's own are then old. \[-\]
-const AHEAD: i64 = 50;
+pub(super) const AHEAD: i64 = 50;
+
+/// The last messages that went through, as who listens has them.
+#[derive(Debug, Default)]
+pub(super) struct Sniffed {
+    /// The source's command.
+    pub(super) command: Vec<u8>,
+    /// The bridge's state.
+    pub(super) state: Vec<u8>,
+    /// The bridge's arm token. \[-\]
+    pub(super) token: i64,
+}
+
+impl Sniffed {
+    /// Keeps a message that went to the car (`to` 1) or to the controller (0).
+    pub(super) fn note(&mut self, channel: &str, message: &[u8], to: usize) {
+        match (channel, to) {
+            (channels::COMMAND, 1) => message.clone_into(&mut self.command),
+            (channels::STATE, 0) => message.clone_into(&mut self.state),
+            ("HB/bridge", 0) => {
+                self.token = Heartbeat::decode(message).map_or(self.token, |beat| beat.arm_token);
+            }
+            _ => {}
+        }
+    }
+}
 
 /// Junk of one of eight kinds, some of it made from a good datagram.
 pub(super) fn junk(good: &[u8], random: &mut Random) -> Vec<u8> {
@@ -52,15 +78,14 @@ pub(super) fn incomplete(sequence: u32, size: u32, random: &mut Random) -> Vec<u
     fragment(sequence, (size, 0), (0, 2), &content)
 }
 
-/// Sends what a fault sends by itself and is due; how many messages that were. `last` is the
-/// source's last command, a datagram.
+/// Sends what a fault sends by itself and is due; how many messages that were.
 pub(super) fn send(
     active: &mut Active,
-    last: &[u8],
+    sniffed: &Sniffed,
     time: i64,
     mut out: impl FnMut(&str, &[u8]),
 ) -> u32 {
-    let genuine = || parts(last).map_or(&[][..], |(_, message)| message);
+    let genuine = || sniffed.command.as_slice();
     match active.fault.action {
         Action::Storm { rate_hz, bytes } => {
             let channel = active.fault.channel.clone().unwrap_or_else(|| "STORM".to_owned());
@@ -86,6 +111,17 @@ pub(super) fn send(
                 let seq = i64::from(active.count);
                 active.count += 1;
                 out(channels::COMMAND, &stranger(STRANGER, seq, token, time));
+            }
+            count
+        }
+        Action::Forge { message, rate_hz } => {
+            let count = due(&mut active.next_ns, time, rate_hz);
+            for _ in 0..count {
+                active.count += 1;
+                if let Some((channel, bytes)) = forge::message(message, active.count, sniffed, time)
+                {
+                    out(channel, &bytes);
+                }
             }
             count
         }

@@ -7,8 +7,8 @@ use super::measure::{Measure, Values};
 /// Messages of the controller.
 #[derive(Debug, Default)]
 pub(super) struct Controller {
-    beats: Vec<Heartbeat>,
-    steps: Vec<MpcTelemetry>,
+    pub(super) beats: Vec<Heartbeat>,
+    pub(super) steps: Vec<MpcTelemetry>,
 }
 
 impl Controller {
@@ -35,6 +35,7 @@ impl Controller {
         };
         if let (Some(before), Some(beat)) = (before, self.beats.iter().find(anew)) {
             values.insert(Measure::ReadyMs, (beat.h.mono_ns - start_ns) as f64 * 1e-6);
+            values.reacted(Measure::ReadyMs, 0.0);
             // The very first one may be sent before there is anything to say.
             let found = self.beats.iter().filter(anew).find_map(laps);
             if let (Some(known), Some(found)) = (laps(before), found) {

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::fault_names::{EndSignal, Field, Forged, Order, Token};
+
 /// A fault: what is done, where, from when, for how long.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -88,6 +90,13 @@ pub enum Action {
         /// The grant it claims.
         #[serde(default)]
         token: Token,
+    },
+    /// Well-formed messages of somebody who has no key, with what was sniffed.
+    Forge {
+        /// Which.
+        message: Forged,
+        /// Rate. \[1/s\]
+        rate_hz: f64,
     },
     /// Well-formed commands in a storm.
     CommandStorm {
@@ -194,10 +203,13 @@ pub enum Action {
         /// Which.
         process: String,
     },
-    /// SIGINT, as by Ctrl-C: the program ends by itself.
+    /// A signal at which a program ends by itself.
     Interrupt {
         /// Which.
         process: String,
+        /// The signal.
+        #[serde(default)]
+        signal: EndSignal,
     },
     /// SIGSTOP; SIGCONT at the fault's end.
     Stop {
@@ -224,61 +236,6 @@ pub enum Action {
         /// Which.
         order: Order,
     },
-}
-
-/// Orders of the operator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Order {
-    /// Emergency stop, repeated every 10 ms until it is acknowledged.
-    Estop,
-    /// Stop.
-    Stop,
-    /// Start, by the grant of before, again and again.
-    Start,
-}
-
-/// The grant a second controller claims.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Token {
-    /// None.
-    #[default]
-    None,
-    /// A number drawn for each command.
-    Guessed,
-    /// The source's, as read from its commands.
-    Stolen,
-    /// The source's, and its start and numbers too: the command passes for its own.
-    Impostor,
-}
-
-/// Fields of states and commands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Field {
-    /// Acceleration of a command. \[m/s^2\]
-    Accel,
-    /// Steering angle of a command. \[rad\]
-    Steer,
-    /// Speed of a state. \[m/s\]
-    Vx,
-    /// Lateral speed of a state. \[m/s\]
-    Vy,
-    /// Yaw rate of a state. \[rad/s\]
-    YawRate,
-    /// Lateral position of a state. \[m\]
-    EY,
-    /// Heading error of a state. \[rad\]
-    EPsi,
-    /// Position of a state along the centre line. \[m\]
-    S,
-    /// Position of a state, world frame, east. \[m\]
-    X,
-    /// Position of a state, world frame, north. \[m\]
-    Y,
-    /// Heading of a state, world frame. \[rad\]
-    Yaw,
 }
 
 impl Action {
@@ -317,7 +274,10 @@ impl Action {
     pub(super) fn is_storm(&self) -> bool {
         matches!(
             self,
-            Self::Storm { .. } | Self::SecondController { .. } | Self::CommandStorm { .. }
+            Self::Storm { .. }
+                | Self::SecondController { .. }
+                | Self::CommandStorm { .. }
+                | Self::Forge { .. }
         )
     }
 }
@@ -333,7 +293,7 @@ impl Fault {
             problems.push(format!("fault: share is {}, expected 0 to 1", self.share));
         }
         if let Action::Kill { process }
-        | Action::Interrupt { process }
+        | Action::Interrupt { process, .. }
         | Action::Stop { process }
         | Action::Restart { process } = &self.action
             && !processes.contains(process)
@@ -342,6 +302,7 @@ impl Fault {
         }
         if let Action::Storm { rate_hz, .. }
         | Action::SecondController { rate_hz, .. }
+        | Action::Forge { rate_hz, .. }
         | Action::CommandStorm { rate_hz, .. } = self.action
             && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
         {
@@ -356,6 +317,21 @@ impl Fault {
             problems.push("fault: car = true is on no channel".to_owned());
         }
         problems
+    }
+
+    /// What is done where, in the words of the bench file.
+    pub(super) fn words(&self) -> String {
+        let action = serde_json::to_value(&self.action).unwrap_or_default();
+        let Some((name, options)) = action.as_object().and_then(|all| all.iter().next()) else {
+            return String::new();
+        };
+        let mut words = name.replace('_', " ");
+        for (key, value) in options.as_object().into_iter().flatten().filter(|o| !o.1.is_null()) {
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            words = format!("{words} {key}={value}");
+        }
+        let place = if self.car { Some("the car") } else { self.channel.as_deref() };
+        place.map_or(words.clone(), |place| format!("{words} on {place}"))
     }
 
     /// When it acts, relative to the scenario's `when`. \[ns\]

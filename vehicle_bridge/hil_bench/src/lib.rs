@@ -9,7 +9,9 @@ pub mod bench;
 mod controller_side;
 mod driver;
 pub mod fault;
+mod fault_names;
 mod field;
+mod forge;
 pub mod host;
 pub mod malformed;
 pub mod measure;
@@ -25,6 +27,7 @@ mod proxy;
 mod random;
 mod run;
 mod stall;
+pub mod timeline;
 pub mod verdict;
 mod wire;
 
@@ -36,9 +39,9 @@ use std::time::Duration;
 use anyhow::Result;
 
 pub use bench::Bench;
-pub use observe::Point;
 pub use run::Outcome;
 pub use stall::Stood;
+pub use timeline::Timeline;
 pub use verdict::Verdict;
 
 use driver::{Driver, Task};
@@ -88,9 +91,9 @@ pub fn execute<'b>(
             let index = work[i].0;
             done(&bench.scenarios[index], &outcome)?;
             // Pictures of all runs would fill the memory: of the passed ones the first is enough.
-            let pictured = verdicts[index].runs.iter().any(|r| !r.points.is_empty());
+            let pictured = verdicts[index].runs.iter().any(|r| !r.timeline.is_empty());
             if outcome.broken.is_empty() && pictured {
-                outcome.points.clear();
+                outcome.timeline = Timeline::default();
             }
             verdicts[index].runs.push(outcome);
             Ok::<(), anyhow::Error>(())

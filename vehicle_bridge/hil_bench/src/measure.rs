@@ -91,18 +91,37 @@ pub struct Expectation {
 
 /// Values of one run.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Values(BTreeMap<Name, f64>);
+pub struct Values {
+    values: BTreeMap<Name, f64>,
+    origins: BTreeMap<Name, f64>,
+}
 
 impl Values {
     /// Sets a value.
     pub fn insert(&mut self, name: impl Into<Name>, value: f64) {
-        self.0.insert(name.into(), value);
+        self.values.insert(name.into(), value);
+    }
+
+    /// Notes from when on the time of a reaction counts, since the faults began. \[s\]
+    pub fn reacted(&mut self, name: impl Into<Name>, from: f64) {
+        self.origins.insert(name.into(), from);
     }
 
     /// The value, if it was measured.
     #[must_use]
     pub fn get(&self, name: impl Into<Name>) -> Option<f64> {
-        self.0.get(&name.into()).copied()
+        self.values.get(&name.into()).copied()
+    }
+
+    /// From when on the time of a reaction counts, since the faults began. \[s\]
+    #[must_use]
+    pub fn origin(&self, name: impl Into<Name>) -> Option<f64> {
+        self.origins.get(&name.into()).copied()
+    }
+
+    /// All values, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&Name, f64)> {
+        self.values.iter().map(|(name, value)| (name, *value))
     }
 }
 
@@ -140,6 +159,16 @@ impl Name {
             Self::Observed(measure) => measure.name(),
             Self::Printed(name) => name.clone(),
         }
+    }
+
+    /// The name as people read it, and its unit, empty for a count.
+    #[must_use]
+    pub fn words(&self) -> (String, &'static str) {
+        let text = self.text();
+        let units = [("_ms", "ms"), ("_mb", "MB"), ("_hz", "1/s"), ("_m", "m"), ("_s", "s")];
+        let found = units.iter().find_map(|(end, unit)| Some((text.strip_suffix(end)?, *unit)));
+        let (name, unit) = found.unwrap_or((text.as_str(), ""));
+        (name.replace('_', " "), unit)
     }
 }
 

@@ -25,31 +25,17 @@ const PLAN: i8 = 2;
 /// The car side stood still if two reports are this far apart. \[ms\]
 const GAP_MS: f64 = 200.0;
 
-/// A point of a run's picture.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Point {
-    /// Since the faults began. \[s\]
-    pub time: f64,
-    /// Speed. \[m/s\]
-    pub speed: f64,
-    /// Applied acceleration. \[m/s^2\]
-    pub accel: f64,
-    /// Applied steering angle. \[rad\]
-    pub steer: f64,
-    /// Where it came from, 0 to 3.
-    pub source: i8,
-}
-
 /// Messages received on the car's side.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
-    reports: Vec<ActuationReport>,
+    pub(super) reports: Vec<ActuationReport>,
     states: Vec<VehicleState>,
     /// Of a simulated car that can fail.
     truth: Vec<VehicleState>,
-    beats: Vec<Heartbeat>,
-    acks: Vec<OperatorAck>,
-    controller: Controller,
+    /// Of the bridge.
+    pub(super) beats: Vec<Heartbeat>,
+    pub(super) acks: Vec<OperatorAck>,
+    pub(super) controller: Controller,
 }
 
 /// What a run is measured by.
@@ -114,26 +100,30 @@ impl Heard {
         let genuine = passed.genuine();
         let last_command =
             |before: i64| genuine.iter().rev().find(|c| c.time_ns <= before).map(|c| c.time_ns);
+        let mut react = |measure: Measure, from: i64, to: i64| {
+            values.insert(measure, ms(from, to));
+            values.reacted(measure, (from - start_ns) as f64 * 1e-9);
+        };
         if let Some(stop) = stop {
-            values.insert(Measure::FaultToStopMs, ms(start_ns, stop));
+            react(Measure::FaultToStopMs, start_ns, stop);
             if let Some(last) = last_command(stop) {
-                values.insert(Measure::LossToStopMs, ms(last, stop));
+                react(Measure::LossToStopMs, last, stop);
             }
+        }
+        let planned = first(&|r| r.source == PLAN, start_ns);
+        if let Some((plan, last)) = planned.and_then(|plan| Some((plan, last_command(plan)?))) {
+            react(Measure::LossToPlanMs, last, plan);
+        }
+        if let Some(estop) = passed.estop_ns
+            && let Some(obeyed) = first(&stops, estop)
+        {
+            react(Measure::EstopMs, estop, obeyed);
+            values.insert(Measure::EstopsLost, f64::from(passed.estops_lost));
         }
         let resumed =
             |r: &&&ActuationReport| drives(r) && stop.is_some_and(|stop| r.h.mono_ns > stop);
         values.insert(Measure::Resumed, after.iter().filter(resumed).count() as f64);
         self.controller.values(start_ns, &mut values);
-        let planned = first(&|r| r.source == PLAN, start_ns);
-        if let Some((plan, last)) = planned.and_then(|plan| Some((plan, last_command(plan)?))) {
-            values.insert(Measure::LossToPlanMs, ms(last, plan));
-        }
-        if let Some(estop) = passed.estop_ns
-            && let Some(obeyed) = first(&stops, estop)
-        {
-            values.insert(Measure::EstopMs, ms(estop, obeyed));
-            values.insert(Measure::EstopsLost, f64::from(passed.estops_lost));
-        }
         if let Some(rate) = passed.storm_hz() {
             values.insert(Measure::StormHz, rate);
         }
@@ -166,7 +156,7 @@ impl Heard {
     }
 
     fn of_states(&self, start_ns: i64, rule: &Rule<'_>, values: &mut Values) {
-        let states = if self.truth.is_empty() { &self.states } else { &self.truth };
+        let states = self.judged();
         let track = rule.track;
         let beyond = |state: &VehicleState| {
             let Frenet { s, e_y, e_psi, .. } = state.frenet;
@@ -200,20 +190,9 @@ impl Heard {
         }
     }
 
-    /// The picture: one point for each report, thinned to a few hundred.
-    pub(super) fn points(&self, start_ns: i64) -> Vec<Point> {
-        let every = self.reports.len().div_ceil(400).max(1);
-        let speed = |at: i64| {
-            self.states.iter().rev().find(|s| s.h.mono_ns <= at).map_or(f64::NAN, |s| s.vx)
-        };
-        let point = |r: &ActuationReport| Point {
-            time: (r.h.mono_ns - start_ns) as f64 * 1e-9,
-            speed: speed(r.h.mono_ns),
-            accel: r.accel,
-            steer: r.steer,
-            source: r.source,
-        };
-        self.reports.iter().step_by(every).map(point).collect()
+    /// The states a run is judged by: the true ones where the car sends them.
+    pub(super) fn judged(&self) -> &[VehicleState] {
+        if self.truth.is_empty() { &self.states } else { &self.truth }
     }
 }
 

@@ -10,6 +10,7 @@ use anyhow::{Context as _, Result, bail};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
+use super::fault::EndSignal;
 use hosting::memory::resident_mb;
 
 /// How long a program has to end after SIGINT before it is killed.
@@ -48,9 +49,14 @@ impl Program {
     }
 
     /// Asks it to end: its end is no crash.
-    pub(super) fn interrupt(&mut self) {
+    pub(super) fn interrupt(&mut self, signal: EndSignal) {
         self.ended = true;
-        self.signal(Signal::SIGINT);
+        self.signal(match signal {
+            EndSignal::Int => Signal::SIGINT,
+            EndSignal::Term => Signal::SIGTERM,
+            EndSignal::Hup => Signal::SIGHUP,
+            EndSignal::Quit => Signal::SIGQUIT,
+        });
     }
 
     pub(super) fn stop(&mut self) {

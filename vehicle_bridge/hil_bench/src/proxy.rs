@@ -10,7 +10,7 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use rand::RngExt as _;
 
 use super::alter::{self, Memory};
-use super::attack;
+use super::attack::{self, Sniffed};
 use super::fault::{Action, Fault};
 use super::malformed;
 use super::passed::Passed;
@@ -58,7 +58,7 @@ impl Proxy {
             passed: Arc::clone(&passed),
             waiting: Vec::new(),
             sequence: OWN,
-            last: Vec::new(),
+            sniffed: Sniffed::default(),
             malformed: malformed::cases(channels::COMMAND),
         };
         let worker = Worker::start("hil-proxy", move |stop| {
@@ -114,8 +114,7 @@ struct Forwarder {
     /// Delayed datagrams: when due, to which wire.
     waiting: Vec<(i64, usize, Vec<u8>)>,
     sequence: u32,
-    /// The source's last command that passed, as a datagram.
-    last: Vec<u8>,
+    sniffed: Sniffed,
     malformed: Vec<malformed::Case>,
 }
 
@@ -169,9 +168,12 @@ impl Forwarder {
     }
 
     fn note(&mut self, bytes: &[u8], to: usize, lost: bool) {
-        let Some((channel, message)) = parts(bytes).filter(|_| to == 1) else { return };
-        if channel == channels::COMMAND && !lost {
-            bytes.clone_into(&mut self.last);
+        let Some((channel, message)) = parts(bytes) else { return };
+        if !lost {
+            self.sniffed.note(channel, message, to);
+        }
+        if to != 1 {
+            return;
         }
         let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
         passed.note(channel, message, now().mono_ns, lost);
@@ -293,9 +295,11 @@ impl Forwarder {
         for active in &mut self.faults {
             let (from, until) = active.fault.window_ns();
             if (from..until).contains(&(time - start)) {
-                let sent = attack::send(active, &self.last, time, |channel, message| {
+                let sent = attack::send(active, &self.sniffed, time, |channel, message| {
                     self.sequence += 1;
-                    self.wires[1].send(&datagram(self.sequence, channel, message));
+                    // States go to the controller, all else to the car.
+                    let to = usize::from(channel != channels::STATE);
+                    self.wires[to].send(&datagram(self.sequence, channel, message));
                 });
                 if sent > 0 {
                     let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);

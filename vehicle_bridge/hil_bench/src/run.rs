@@ -16,12 +16,13 @@ use super::driver::{Driver, Progress, Task};
 use super::fault::Action;
 use super::host::{self, Host};
 use super::measure::{Expectation, Measure, Name, Values};
-use super::observe::{Heard, Point, Rule};
+use super::observe::{Heard, Rule};
 use super::on_car;
 use super::process::Program;
 use super::program;
 use super::proxy::Proxy;
 use super::random;
+use super::timeline::Timeline;
 use auth::{Key, Signed};
 use hosting::realtime;
 use protocol::convert::nanoseconds;
@@ -67,8 +68,8 @@ pub struct Outcome {
     pub values: Values,
     /// Limits that were broken; empty if it passed.
     pub broken: Vec<String>,
-    /// Picture.
-    pub points: Vec<Point>,
+    /// The run over time.
+    pub timeline: Timeline,
     /// How long it took. \[s\]
     pub duration: f64,
     /// Earlier tries that the computer itself spoilt, and what they broke.
@@ -82,14 +83,14 @@ pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16)
     let begun = Instant::now();
     let mut outcome = Outcome { seed, ..Outcome::default() };
     let result = if !scenario.program.is_empty() {
-        program::run(place, scenario, seed, ports).map(|values| (values, Vec::new()))
+        program::run(place, scenario, seed, ports).map(|values| (values, Timeline::default()))
     } else if scenario.is_alone() {
         host::alone(|| drive(place, scenario, seed, ports))
     } else {
         drive(place, scenario, seed, ports)
     };
     match result {
-        Ok((values, points)) => {
+        Ok((values, timeline)) => {
             let limits = scenario.expectations.iter();
             let broken = limits.filter_map(|limit| Some((limit, limit.broken(&values)?)));
             let (limits, broken): (Vec<_>, Vec<_>) = broken.unzip();
@@ -98,7 +99,7 @@ pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16)
                 Name::Printed(_) => true,
             };
             outcome.excusable = !broken.is_empty() && !limits.iter().any(strict);
-            (outcome.broken, outcome.values, outcome.points) = (broken, values, points);
+            (outcome.broken, outcome.values, outcome.timeline) = (broken, values, timeline);
             // No scenario needs to say this, and none may allow it.
             for measure in [Measure::UnsafeOutputs, Measure::Crashes] {
                 if let Some(count) = outcome.values.get(measure)
@@ -124,7 +125,7 @@ fn drive(
     scenario: &Scenario,
     seed: u64,
     ports: u16,
-) -> Result<(Values, Vec<Point>)> {
+) -> Result<(Values, Timeline)> {
     let folder = Folder::new(ports)?;
     let mut host = Host::new(scenario, &folder.0)?;
     let words = Words::of(place, seed, ports, &folder);
@@ -201,7 +202,7 @@ fn drive(
     let mut values = heard.values(begins, &passed, &rule);
     values.insert(Measure::Crashes, crashes as f64);
     values.insert(Measure::MemoryMb, growth);
-    Ok((values, heard.points(begins)))
+    Ok((values, heard.timeline(begins, &rule)))
 }
 
 /// A network whose receiving thread a busy computer does not hold up, where the system allows it.
@@ -261,7 +262,7 @@ fn inject(
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;
             let (Action::Kill { process }
-            | Action::Interrupt { process }
+            | Action::Interrupt { process, .. }
             | Action::Stop { process }
             | Action::Restart { process }) = &fault.action
             else {
@@ -270,9 +271,9 @@ fn inject(
             let Some(program) = programs.iter_mut().find(|p| p.name == *process) else { continue };
             if since >= from && begun.is_none() {
                 *begun = Some(since);
-                match fault.action {
+                match &fault.action {
                     Action::Kill { .. } => program.kill(),
-                    Action::Interrupt { .. } => program.interrupt(),
+                    Action::Interrupt { signal, .. } => program.interrupt(*signal),
                     Action::Restart { .. } => program.restart()?,
                     _ => program.stop(),
                 }

@@ -142,7 +142,7 @@ impl Answered {
 
 /// A command to the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Order<'a> {
+pub struct CommandDraft<'a> {
     /// The state it answers.
     pub answered: Answered,
     /// `MODE_…` of [`ActuationCommand`].
@@ -159,7 +159,7 @@ pub struct Order<'a> {
     pub arm_token: i64,
 }
 
-impl Order<'_> {
+impl CommandDraft<'_> {
     /// The message; the fallback plan reaches as far as the command is valid.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "the fallback plan is in single precision")]
@@ -247,7 +247,7 @@ mod tests {
     fn a_command_leads_into_its_plan_and_then_dies() {
         let u = |a: f64| Input { a, delta: -a };
         let plan = Plan { x: Vec::new(), u: (0..10).map(|i| u(f64::from(i))).collect() };
-        let order = Order {
+        let order = CommandDraft {
             answered: Answered::default(),
             mode: ActuationCommand::MODE_DRIVE,
             input: u(0.0),

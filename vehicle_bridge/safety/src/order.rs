@@ -134,7 +134,7 @@ pub enum Denied {
     NotArmed(&'static str),
     /// Needs a stop first.
     #[error("not possible in state {0}")]
-    Phase(&'static str),
+    BridgeState(&'static str),
     /// Not the grant in force.
     #[error("wrong arm token {found}")]
     Token {

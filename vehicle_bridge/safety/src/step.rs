@@ -10,7 +10,7 @@ use super::rate::Rate;
 use super::rules::Rules;
 use super::stop;
 use super::stop_reason::StopReason;
-use super::types::{Answer, Counts, Event, Output, Phase, Source};
+use super::types::{Answer, BridgeState, Counts, Event, InputSource, Output};
 
 /// The car's state as last heard.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +23,7 @@ pub(super) struct Seen {
 /// Everything the core remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Safety {
-    pub(super) phase: Phase,
+    pub(super) bridge_state: BridgeState,
     pub(super) token: i64,
     pub(super) armed: Option<i64>,
     pub(super) seq: Option<i64>,
@@ -42,7 +42,7 @@ pub struct Safety {
     pub(super) steering: Option<Steering>,
     pub(super) speed_cap: Option<f64>,
     pub(super) applied: Option<Limited>,
-    pub(super) source: Source,
+    pub(super) source: InputSource,
     pub(super) tick_ns: Option<i64>,
     pub(super) sent_ns: Option<i64>,
     pub(super) rate: Rate,
@@ -56,8 +56,8 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
     let mut next = *safety;
     next.expire(rules, event, now_ns);
     let answer = match event {
-        Event::State(x, quality) => next.see(rules, x, *quality, now_ns),
-        Event::Command(offer) => match next.weigh(rules, offer, now_ns) {
+        Event::State(x, quality) => next.on_state(rules, x, *quality, now_ns),
+        Event::Command(offer) => match next.on_command(rules, offer, now_ns) {
             Ok(()) => Answer::Accepted,
             Err(reject) => Answer::Rejected(reject),
         },
@@ -78,26 +78,30 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Answer::None
         }
         Event::End => {
-            match next.phase {
-                Phase::Running => next.leave(Phase::SafeStop, StopReason::End),
-                Phase::Armed => next.leave(Phase::Idle, StopReason::End),
+            match next.bridge_state {
+                BridgeState::Running => next.leave(BridgeState::SafeStop, StopReason::End),
+                BridgeState::Armed => next.leave(BridgeState::Idle, StopReason::End),
                 _ => {}
             }
             Answer::None
         }
-        Event::Order(order) => match next.obey(rules, order, now_ns) {
+        Event::Order(order) => match next.on_order(rules, order, now_ns) {
             Ok(()) => Answer::Accepted,
             Err(denied) => Answer::Denied(denied),
         },
         Event::CarFailed => {
             next.leave(
-                if next.phase == Phase::Estop { Phase::Estop } else { Phase::Fault },
+                if next.bridge_state == BridgeState::Estop {
+                    BridgeState::Estop
+                } else {
+                    BridgeState::Fault
+                },
                 StopReason::Car,
             );
             Answer::None
         }
         Event::Tick => {
-            next.tick(rules, now_ns);
+            next.on_tick(rules, now_ns);
             Answer::None
         }
         Event::Sent => {
@@ -117,8 +121,8 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
 impl Safety {
     /// State of the machine.
     #[must_use]
-    pub fn phase(&self) -> Phase {
-        self.phase
+    pub fn bridge_state(&self) -> BridgeState {
+        self.bridge_state
     }
 
     /// The grant in force, 0 for none. \[-\]
@@ -157,9 +161,9 @@ impl Safety {
     }
 
     /// Ends the grant.
-    pub(super) fn leave(&mut self, to: Phase, why: StopReason) {
-        self.counts.stops += i64::from(self.phase == Phase::Running);
-        self.phase = to;
+    pub(super) fn leave(&mut self, to: BridgeState, why: StopReason) {
+        self.counts.stops += i64::from(self.bridge_state == BridgeState::Running);
+        self.bridge_state = to;
         self.stop_reason = why;
         (self.token, self.armed, self.seq, self.deadman_ns) = (0, None, None, None);
         self.command = None;
@@ -180,7 +184,7 @@ impl Safety {
         let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
         let beat_ns = self.armed.and_then(|boot_id| self.controllers.beat_ns(boot_id));
         let heard = from(beat_ns, rules.pulse_ns);
-        let running = self.phase == Phase::Running;
+        let running = self.bridge_state == BridgeState::Running;
         let (due, valid) = match self.command {
             Some(c) => (
                 c.arrival_ns.saturating_add(rules.period_ns + rules.timeout_ns),
@@ -206,25 +210,29 @@ impl Safety {
     /// next nanosecond stops the car without waiting for its beat. \[ns\]
     #[must_use]
     pub fn deadline(&self, rules: &Rules) -> Option<i64> {
-        let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+        let granted = matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running);
         granted.then(|| self.limits(rules).map(|(until, _)| until).into_iter().min()).flatten()
     }
 
     /// What time alone ends, before anything else is looked at.
     fn expire(&mut self, rules: &Rules, event: &Event<'_>, now_ns: i64) {
-        if !matches!(self.phase, Phase::Armed | Phase::Running) {
+        if !matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running) {
             return;
         }
         let in_time =
             |why: StopReason| why == StopReason::States && matches!(event, Event::State(..));
         let mut limits = self.limits(rules).into_iter();
         if let Some((_, why)) = limits.find(|(until, why)| now_ns > *until && !in_time(*why)) {
-            let to = if self.phase == Phase::Armed { Phase::Idle } else { Phase::SafeStop };
+            let to = if self.bridge_state == BridgeState::Armed {
+                BridgeState::Idle
+            } else {
+                BridgeState::SafeStop
+            };
             self.leave(to, why);
         }
     }
 
-    fn see(&mut self, rules: &Rules, x: &State, quality: i8, now_ns: i64) -> Answer {
+    fn on_state(&mut self, rules: &Rules, x: &State, quality: i8, now_ns: i64) -> Answer {
         if quality < 1 || !x.is_finite() {
             return Answer::Rejected(Reject::NotFinite);
         }
@@ -236,14 +244,14 @@ impl Safety {
         if !self.blind {
             (self.estimate, self.estimate_ns) = (*x, now_ns);
         }
-        if let Some(before) = before.filter(|_| self.phase == Phase::Running) {
+        if let Some(before) = before.filter(|_| self.bridge_state == BridgeState::Running) {
             self.question(rules, &before, x, now_ns);
         }
         if let (Some(before), Some(_)) = (before, self.steering) {
             self.learn_steering(rules, &before, x, now_ns);
         }
-        if self.phase == Phase::Boot {
-            self.phase = Phase::Idle;
+        if self.bridge_state == BridgeState::Boot {
+            self.bridge_state = BridgeState::Idle;
         }
         Answer::Accepted
     }
@@ -265,7 +273,7 @@ impl Safety {
             if finding.what == Suspicion::Steering {
                 self.steering = Some(self.doubt.steering());
             }
-            self.leave(Phase::SafeStop, StopReason::Doubt(finding.what));
+            self.leave(BridgeState::SafeStop, StopReason::Doubt(finding.what));
         }
     }
 
@@ -285,11 +293,16 @@ impl Safety {
     }
 
     /// A command's checks after its form, in order.
-    fn weigh(&mut self, rules: &Rules, offer: &DecodedCommand, now_ns: i64) -> Result<(), Reject> {
+    fn on_command(
+        &mut self,
+        rules: &Rules,
+        offer: &DecodedCommand,
+        now_ns: i64,
+    ) -> Result<(), Reject> {
         let ours = self.armed == Some(offer.boot_id);
         if !self.rate.admit(offer.boot_id, now_ns) {
-            if ours && self.phase == Phase::Running {
-                self.leave(Phase::SafeStop, StopReason::Flood);
+            if ours && self.bridge_state == BridgeState::Running {
+                self.leave(BridgeState::SafeStop, StopReason::Flood);
             }
             return Err(Reject::Rate);
         }
@@ -324,19 +337,19 @@ impl Safety {
         self.seq = Some(offer.seq);
         self.counts.ok += 1;
         if offer.estop {
-            self.leave(Phase::Estop, StopReason::Controller);
-        } else if self.phase == Phase::Running {
+            self.leave(BridgeState::Estop, StopReason::Controller);
+        } else if self.bridge_state == BridgeState::Running {
             if offer.drives {
                 self.command = Some(*offer);
             } else if self.command.is_some() {
                 // Before the first command that drives, the controller has not heard the START.
-                self.leave(Phase::SafeStop, StopReason::Controller);
+                self.leave(BridgeState::SafeStop, StopReason::Controller);
             }
         }
         Ok(())
     }
 
-    fn tick(&mut self, rules: &Rules, now_ns: i64) {
+    fn on_tick(&mut self, rules: &Rules, now_ns: i64) {
         let since = |then: Option<i64>| match then {
             Some(then) => now_ns.saturating_sub(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
             None => rules.tick_ns as f64 * 1e-9,
@@ -347,21 +360,24 @@ impl Safety {
         self.estimate = stop::reckon(rules, &self.estimate, before, ahead.min(dt));
         self.estimate_ns = now_ns;
         self.tick_ns = Some(now_ns);
-        if self.phase == Phase::SafeStop && self.standstill(rules, now_ns).is_ok() {
-            (self.phase, self.blind, self.steering) = (Phase::Idle, false, None);
+        if self.bridge_state == BridgeState::SafeStop && self.standstill(rules, now_ns).is_ok() {
+            (self.bridge_state, self.blind, self.steering) = (BridgeState::Idle, false, None);
         }
-        let driven = match self.phase {
-            Phase::Running => {
+        let driven = match self.bridge_state {
+            BridgeState::Running => {
                 self.command.and_then(|command| command.input_at(now_ns, rules.period_ns))
             }
             _ => None,
         };
-        let stopped = matches!(self.phase, Phase::SafeStop | Phase::Fault | Phase::Estop);
+        let stopped = matches!(
+            self.bridge_state,
+            BridgeState::SafeStop | BridgeState::Fault | BridgeState::Estop
+        );
         let (asked, source) = match driven {
-            Some((input, false)) => (input, Source::Command),
-            Some((input, true)) => (input, Source::Plan),
+            Some((input, false)) => (input, InputSource::Command),
+            Some((input, true)) => (input, InputSource::Plan),
             None => {
-                let source = if stopped { Source::Stop } else { Source::None };
+                let source = if stopped { InputSource::Stop } else { InputSource::None };
                 let brake = match self.steering.filter(|_| stopped) {
                     Some(steering) => stop::brake_without_steering(rules, &self.estimate, steering),
                     None => stop::brake(rules, &self.estimate),

@@ -10,7 +10,7 @@ use super::rules::Setup;
 /// States of the bridge; their numbers are those of [`Heartbeat`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
-pub enum Phase {
+pub enum BridgeState {
     /// Nothing is known of the car.
     #[default]
     Boot = Heartbeat::BOOT,
@@ -28,7 +28,7 @@ pub enum Phase {
     Estop = Heartbeat::ESTOP,
 }
 
-impl Phase {
+impl BridgeState {
     /// As people read it.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -46,16 +46,18 @@ impl Phase {
     /// The same of a state in a message, which may be none of these.
     #[must_use]
     pub fn name_of(state: i8) -> &'static str {
-        use Phase::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
+        use BridgeState::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
         let all = [Boot, Idle, Armed, Running, SafeStop, Fault, Estop];
-        all.into_iter().find(|phase| *phase as i8 == state).map_or("unknown", Self::name)
+        all.into_iter()
+            .find(|bridge_state| *bridge_state as i8 == state)
+            .map_or("unknown", Self::name)
     }
 }
 
 /// Where the applied input comes from; the numbers of `CAR/ACT`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
-pub enum Source {
+pub enum InputSource {
     /// Nobody: the car is held.
     #[default]
     None = 0,
@@ -113,7 +115,7 @@ pub struct Output {
     /// Input to apply from this event on, and what was asked; new with each [`Event::Tick`].
     pub applied: Limited,
     /// Where it comes from.
-    pub source: Source,
+    pub source: InputSource,
     /// What became of the event.
     pub answer: Answer,
 }

@@ -19,7 +19,7 @@ use auth::Seal;
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher, random};
 use protocol::stream_filter::Counts;
-use safety::{Answer, Event, Order, OrderKind, Output, Rules, Safety, Setup, Source, decode};
+use safety::{Answer, Event, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode};
 use transport::record::Log;
 use transport::{Filter, Inbox, Received, Transport};
 
@@ -64,7 +64,7 @@ pub struct Bridge {
     pub(super) panic_after: Option<Duration>,
     /// Input of the last tick.
     pub(super) held: Input,
-    pub(super) source: Source,
+    pub(super) source: InputSource,
     pub(super) bridged: Bridged,
 }
 
@@ -105,7 +105,7 @@ impl Bridge {
             panic_after: None,
             watchdog: None,
             held: Input::default(),
-            source: Source::None,
+            source: InputSource::None,
             bridged: Bridged::default(),
             rules,
             side,
@@ -164,15 +164,15 @@ impl Bridge {
     }
 
     /// A message of a real car.
-    pub(super) fn tell(&mut self, received: &Received) {
+    pub(super) fn on_car_message(&mut self, received: &Received) {
         let Some(told) = self.side.hear(received) else { return };
         if told.is_new {
             self.step(&Event::State(told.x, told.message.quality));
         }
-        self.publish(&VehicleState { h: self.states.header(), ..told.message });
+        self.publish_state(&VehicleState { h: self.states.header(), ..told.message });
     }
 
-    pub(super) fn publish(&mut self, state: &VehicleState) {
+    pub(super) fn publish_state(&mut self, state: &VehicleState) {
         // The network may be gone: the car is still there.
         let sent = self.states.send_sealed(state);
         self.unsent += u64::from(sent.is_err());
@@ -186,7 +186,7 @@ impl Bridge {
         output
     }
 
-    pub(super) fn command(&mut self, received: &Received) {
+    pub(super) fn on_command(&mut self, received: &Received) {
         let arrival_ns = received.arrival.mono_ns;
         let reject = match decode(&received.payload, arrival_ns, &self.rules, &self.host) {
             Ok(command) => match self.step(&Event::Command(&command)).answer {
@@ -201,7 +201,7 @@ impl Bridge {
         self.refuse(Refused::Command(reject));
     }
 
-    pub(super) fn hear(&mut self, received: &Received) {
+    pub(super) fn on_message(&mut self, received: &Received) {
         match received.channel.as_str() {
             channels::SETUP => {
                 if let Ok(m) = lcm_types::Setup::open(&received.payload) {
@@ -230,7 +230,7 @@ impl Bridge {
         }
     }
 
-    pub(super) fn order(&mut self, received: &Received) {
+    pub(super) fn on_operator_command(&mut self, received: &Received) {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
         let Some(heard) = self.operators.hear(&received.payload, times) else { return };
         let (boot_id, ack) = match heard {
@@ -274,19 +274,19 @@ impl Bridge {
             h: self.acks.header(),
             request_id: order.request_id,
             accepted: detail.is_empty(),
-            state: self.safety.phase() as i8,
+            state: self.safety.bridge_state() as i8,
             arm_token: self.safety.token(),
             detail,
         }
     }
 
-    pub(super) fn report(&mut self, output: &Output) {
+    pub(super) fn publish_report(&mut self, output: &Output) {
         let (cmd_boot_id, cmd_seq) = self.safety.command().unwrap_or_default();
         let report = ActuationReport {
             h: self.reports.header(),
             cmd_boot_id,
             cmd_seq,
-            enabled: matches!(output.source, Source::Command | Source::Plan),
+            enabled: matches!(output.source, InputSource::Command | InputSource::Plan),
             source: output.source as i8,
             limited: output.applied.bits,
             accel: output.applied.sent.a,
@@ -300,7 +300,7 @@ impl Bridge {
         let (reason, missed, unsent) =
             (self.safety.stop_reason(), self.bridged.missed, self.unsent);
         let car = self.side.counts();
-        let (state, arm_token) = (self.safety.phase() as i8, self.safety.token());
+        let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
         let relay = self.watchdog.as_ref().and_then(Watchdog::trouble).map(Arc::from);
         self.heartbeat.update(|health| {

@@ -8,7 +8,7 @@ use lcm_types::channels;
 use super::bridge::{Bridge, Bridged, WAITING};
 use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
-use safety::{Event, Phase, Source, StopReason};
+use safety::{BridgeState, Event, InputSource, StopReason};
 
 /// Quality of a simulated car's states. \[-\]
 const GOOD: i8 = 2;
@@ -23,7 +23,7 @@ const PANICS: u32 = 3;
 struct Clock {
     due: Instant,
     acted: Instant,
-    phase: Phase,
+    state: BridgeState,
     /// When this state began.
     since: Instant,
     /// When the bridge was asked to end, and whether a car drove then.
@@ -33,9 +33,9 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(phase: Phase) -> Self {
+    fn new(state: BridgeState) -> Self {
         let now = Instant::now();
-        Self { due: now, acted: now, phase, since: now, ending: None, stood: None }
+        Self { due: now, acted: now, state, since: now, ending: None, stood: None }
     }
 }
 
@@ -46,9 +46,9 @@ impl Bridge {
     pub fn run(
         &mut self,
         shutdown: &Shutdown,
-        on_change: &mut dyn FnMut(Phase, StopReason),
+        on_change: &mut dyn FnMut(BridgeState, StopReason),
     ) -> Bridged {
-        let mut clock = Clock::new(self.safety.phase());
+        let mut clock = Clock::new(self.safety.bridge_state());
         self.watchdog.iter().for_each(Watchdog::ready);
         while !shutdown.is_urgent() && !self.is_over(shutdown, &mut clock) {
             // The core's memory changes only with a whole event: it is sound after a panic.
@@ -72,16 +72,18 @@ impl Bridge {
         if !shutdown.is_requested() {
             return false;
         }
-        let stops = |phase| matches!(phase, Phase::SafeStop | Phase::Estop | Phase::Fault);
-        let phase = self.safety.phase();
-        let drove = phase == Phase::Running || stops(phase);
+        let stops = |state| {
+            matches!(state, BridgeState::SafeStop | BridgeState::Estop | BridgeState::Fault)
+        };
+        let state = self.safety.bridge_state();
+        let drove = state == BridgeState::Running || stops(state);
         if clock.ending.is_none() {
             self.watchdog.iter().for_each(Watchdog::ending);
         }
         let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
         self.step(&Event::End);
         let now_ns = transport::now().mono_ns;
-        if stops(self.safety.phase()) && !self.safety.stands(&self.rules, now_ns) {
+        if stops(self.safety.bridge_state()) && !self.safety.stands(&self.rules, now_ns) {
             clock.stood = None;
         } else {
             clock.stood.get_or_insert_with(Instant::now);
@@ -92,7 +94,7 @@ impl Bridge {
     }
 
     /// One tick, and what comes before it.
-    fn beat(&mut self, clock: &mut Clock, on_change: &mut dyn FnMut(Phase, StopReason)) {
+    fn beat(&mut self, clock: &mut Clock, on_change: &mut dyn FnMut(BridgeState, StopReason)) {
         let tick = Duration::from_nanos(self.rules.tick_ns.unsigned_abs());
         // From the last deadline, not from now: the beat does not drift.
         clock.due += tick;
@@ -110,12 +112,12 @@ impl Bridge {
         self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
         self.act(clock.due - clock.acted);
         clock.acted = clock.due;
-        let phase = self.safety.phase();
+        let state = self.safety.bridge_state();
         self.watchdog.iter_mut().for_each(Watchdog::beat);
-        if phase != clock.phase {
-            self.watchdog.iter().for_each(|watchdog| watchdog.status(phase.name()));
-            on_change(phase, self.safety.stop_reason());
-            (clock.phase, clock.since) = (phase, Instant::now());
+        if state != clock.state {
+            self.watchdog.iter().for_each(|watchdog| watchdog.status(state.name()));
+            on_change(state, self.safety.stop_reason());
+            (clock.state, clock.since) = (state, Instant::now());
         }
         self.panic_if_due(clock);
     }
@@ -123,7 +125,7 @@ impl Bridge {
     #[expect(clippy::panic, reason = "asked for by the bench")]
     fn panic_if_due(&mut self, clock: &Clock) {
         let due = |after: &mut Duration| clock.since.elapsed() > *after;
-        if clock.phase == Phase::Running && self.panic_after.take_if(due).is_some() {
+        if clock.state == BridgeState::Running && self.panic_after.take_if(due).is_some() {
             panic!("asked for by the bench");
         }
     }
@@ -136,15 +138,15 @@ impl Bridge {
             }
             let Some(received) = self.commands.wait_until(self.wake(due)) else { break };
             match received.channel.as_str() {
-                channels::OPERATOR => self.order(&received),
-                channels::COMMAND => self.command(&received),
-                _ => self.tell(&received),
+                channels::OPERATOR => self.on_operator_command(&received),
+                channels::COMMAND => self.on_command(&received),
+                _ => self.on_car_message(&received),
             }
             self.commands.recycle(received);
         }
         for _ in 0..WAITING {
             let Some(received) = self.others.take() else { break };
-            self.hear(&received);
+            self.on_message(&received);
             self.others.recycle(received);
         }
         if !self.owes_stop() {
@@ -156,8 +158,11 @@ impl Bridge {
 
     /// Whether the car does not know yet that it is being stopped.
     fn owes_stop(&self) -> bool {
-        self.source != Source::Stop
-            && matches!(self.safety.phase(), Phase::SafeStop | Phase::Estop | Phase::Fault)
+        self.source != InputSource::Stop
+            && matches!(
+                self.safety.bridge_state(),
+                BridgeState::SafeStop | BridgeState::Estop | BridgeState::Fault
+            )
     }
 
     /// The next tick, or just after the grant ends, whichever comes first.
@@ -170,7 +175,7 @@ impl Bridge {
     /// The car moves on by `dt`, is measured, and gets its next input.
     fn act(&mut self, dt: Duration) {
         let held = self.held;
-        if self.safety.phase() != Phase::Fault
+        if self.safety.bridge_state() != BridgeState::Fault
             && let Err(error) = self.side.drive(held, dt)
         {
             self.fail(&error.to_string());
@@ -185,12 +190,12 @@ impl Bridge {
         if let Err(error) = self.side.actuate(&output) {
             self.fail(&format!("the car cannot be commanded: {error}"));
         }
-        self.report(&output);
+        self.publish_report(&output);
         self.step(&Event::Sent);
         if let Some(x) = measured {
             let h = self.states.header();
             if let Some(state) = self.side.message(h, meas_ns, &x, output.applied.sent) {
-                self.publish(&state);
+                self.publish_state(&state);
             }
         }
     }

@@ -144,7 +144,7 @@ impl Car {
             }
             self.drive.steps += 1;
             self.judge(time, before, on_lap);
-            self.report()?;
+            self.publish_report()?;
         }
         self.drive.commanded = self.command.is_some();
         Ok(self.drive.clone())
@@ -157,7 +157,7 @@ impl Car {
             || self.options.laps.is_some_and(|most| laps >= most as usize)
     }
 
-    fn say(&mut self, x: &State, meas_ns: i64) -> Result<i64> {
+    fn publish_state(&mut self, x: &State, meas_ns: i64) -> Result<i64> {
         let h = self.states.header();
         let seq = h.seq;
         let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
@@ -171,7 +171,7 @@ impl Car {
     /// One period in lock-step; false if there was no answer.
     fn step_answered(&mut self, x: &State, meas_ns: i64, stop: &AtomicBool) -> Result<bool> {
         let patience = Instant::now() + self.options.patience;
-        let first = self.say(x, meas_ns)?;
+        let first = self.publish_state(x, meas_ns)?;
         let mut repeat = Instant::now() + REPEAT;
         loop {
             if let Some(received) = self.commands.wait_until(repeat) {
@@ -189,7 +189,7 @@ impl Car {
                     return Ok(true);
                 }
             } else {
-                self.say(x, meas_ns)?;
+                self.publish_state(x, meas_ns)?;
                 repeat += REPEAT;
             }
             if stop.load(Ordering::Relaxed) {
@@ -209,7 +209,7 @@ impl Car {
         let late = Instant::now().saturating_duration_since(start).as_secs_f64();
         self.drive.latest = self.drive.latest.max(late);
         self.drive.late += u64::from(late > self.options.period);
-        self.say(x, meas_ns)?;
+        self.publish_state(x, meas_ns)?;
         let mut done = start;
         let mut left = self.options.period;
         let mut worst = SOURCE_NONE;
@@ -298,7 +298,7 @@ impl Car {
         }
     }
 
-    fn report(&mut self) -> Result<()> {
+    fn publish_report(&mut self) -> Result<()> {
         let h = self.reports.header();
         let applied = self.vehicle.applied();
         let (cmd_boot_id, cmd_seq) =

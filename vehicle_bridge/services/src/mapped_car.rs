@@ -127,11 +127,11 @@ impl MappedCar {
             }
             let Some(received) = self.inbox.wait_until(due.min(now + NAP)) else { continue };
             if received.channel == channels::COMMAND {
-                if self.obey(&received) {
+                if self.on_command(&received) {
                     due = Instant::now();
                 }
             } else {
-                self.tell(&received)?;
+                self.on_car_message(&received)?;
             }
             self.inbox.recycle(received);
         }
@@ -148,7 +148,7 @@ impl MappedCar {
     }
 
     /// Takes a message of the car.
-    fn tell(&mut self, received: &Received) -> Result<()> {
+    fn on_car_message(&mut self, received: &Received) -> Result<()> {
         let taken = self.mapping.take(&received.channel, &received.payload, received.arrival);
         if let Some(mut state) = taken {
             self.moves = state.vx.hypot(state.vy) >= STILL;
@@ -160,7 +160,7 @@ impl MappedCar {
     }
 
     /// Takes a command; true if it was believed and answers one of this start's states.
-    fn obey(&mut self, received: &Received) -> bool {
+    fn on_command(&mut self, received: &Received) -> bool {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
         let (car, boot_id) = (&self.car, self.boot_id);
         // There is nobody to arm it: a controller that started anew gets the car at standstill.
@@ -205,10 +205,10 @@ impl MappedCar {
         self.network.publish(self.mapping.command_channel(), &self.bytes)?;
         self.bridged.sent += 1;
         self.applied = input.unwrap_or(Input { a: self.car.a_min, ..self.applied });
-        self.report()
+        self.publish_report()
     }
 
-    fn report(&mut self) -> Result<()> {
+    fn publish_report(&mut self) -> Result<()> {
         let (cmd_boot_id, cmd_seq) =
             self.command.as_ref().map(|(c, _)| (c.h.boot_id, c.h.seq)).unwrap_or_default();
         let report = ActuationReport {

@@ -2,15 +2,34 @@
 
 use controller::Controller;
 use lcm_types::{ActuationCommand, Heartbeat, OperatorCommand};
-use vehicle_model::Input;
+use vehicle_model::{Input, Limiter};
 
-/// The controller's input, cut where it would take the car past the operator's cap within a period.
+/// Share of the operator's cap that is driven: bends and slopes change the speed between two states,
+/// and the bridge sees that before the controller does. \[-\]
+const BELOW: f64 = 0.98;
+
+/// The controller's input, cut where it would take the car past the operator's cap.
 ///
-/// The cap is in the controller's plans too, but there it is soft, and warm-up laps have none.
+/// The cap is in the controller's plans too, but there it is soft, and warm-up laps have none. The
+/// limiter of the bridge approaches the cap at every tick of its own; what is sent here for a whole
+/// period keeps below that until the period ends, so that the bridge has nothing left to cut.
+/// `before` is the input that was sent last.
 #[must_use]
-pub fn capped(input: Input, v_x: f64, cap: Option<f64>, controller: &Controller) -> Input {
+pub fn capped(
+    input: Input,
+    before: Input,
+    v_x: f64,
+    cap: Option<f64>,
+    controller: &Controller,
+) -> Input {
     let Some(cap) = cap else { return input };
-    let most = ((cap - v_x) / controller.config().horizon.period).max(controller.car().a_min);
+    let (car, period) = (controller.car(), controller.config().horizon.period);
+    // Until the command acts, the car follows the one before.
+    let ahead = period + car.actuator_delay + 2.0 * car.actuator_lag;
+    let room = BELOW * cap - (v_x + before.a.max(0.0) * ahead);
+    let time = Limiter::CAP_TIME + if room > 0.0 { ahead } else { 0.0 };
+    let jerk = car.a_rate_max.map_or(f64::INFINITY, |rate| rate * period);
+    let most = (room / time).max(before.a - jerk).max(car.a_min);
     Input { a: input.a.min(most), ..input }
 }
 
@@ -20,8 +39,8 @@ pub fn capped(input: Input, v_x: f64, cap: Option<f64>, controller: &Controller)
 pub fn plan_cap(cap: Option<f64>, controller: &Controller) -> f64 {
     let configured = controller.config().limits.speed_cap;
     match cap {
-        Some(cap) if configured > 0.0 => cap.min(configured),
-        Some(cap) => cap,
+        Some(cap) if configured > 0.0 => (BELOW * cap).min(configured),
+        Some(cap) => BELOW * cap,
         None => configured,
     }
 }

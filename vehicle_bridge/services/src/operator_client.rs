@@ -82,7 +82,7 @@ impl Operator {
     }
 
     /// Says an order once.
-    fn say(&mut self, order: &mut OperatorCommand) -> Result<()> {
+    fn publish(&mut self, order: &mut OperatorCommand) -> Result<()> {
         order.h = self.publisher.header();
         self.publisher.send_sealed(order)
     }
@@ -137,7 +137,7 @@ impl Operator {
             }
             if !needs_token || self.bridge.is_some() || looked {
                 for _ in 0..if estop { ESTOP_TIMES } else { 1 } {
-                    self.say(order)?;
+                    self.publish(order)?;
                 }
             }
             next += REPEAT;
@@ -191,7 +191,7 @@ impl Operator {
         begun(&answers)?;
         let mut next = Instant::now();
         while !release.load(Ordering::Relaxed) {
-            self.say(&mut start)?;
+            self.publish(&mut start)?;
             next += REPEAT;
             let mut ended = None;
             self.listen(next, start.request_id, &mut |answer| {

@@ -154,7 +154,7 @@ impl Player<'_> {
             let applied = self.last.filter(|last| last.cut).map(|last| last.input);
             let measurement = convert::measurement(pose, time_ns, period, applied);
             let wanted = self.controller.step(&measurement).input;
-            let input = operator::capped(wanted, state.vx, self.cap, self.controller);
+            let input = operator::capped(wanted, input, state.vx, self.cap, self.controller);
             next = Last { stepped: true, input, cut: input != wanted, ..next };
             self.compare(command, input);
         }

@@ -19,7 +19,7 @@ use super::schedule::Schedule;
 use super::store::Store;
 use auth::Seal;
 use hosting::timing::Stopwatch;
-use protocol::convert::{self, Answered, Order};
+use protocol::convert::{self, Answered, CommandDraft};
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher};
 use protocol::stream_filter::{Accepted, StreamFilter};
@@ -153,19 +153,19 @@ impl Service {
         while !stop.load(Ordering::Relaxed) {
             self.grant.update();
             while let Some(order) = self.orders.take() {
-                self.obey(&order);
+                self.on_operator_command(&order);
             }
             let received = self.states.wait_until(deadline.min(Instant::now() + NAP));
-            if received.is_some_and(|received| self.answer(received, &mut *on_lap)) {
+            if received.is_some_and(|received| self.on_state(received, &mut *on_lap)) {
                 deadline = Instant::now() + period;
             } else if Instant::now() >= deadline {
                 self.overdue();
                 // From the last deadline, not from now: the beat does not drift.
                 deadline += period;
             }
-            self.report();
+            self.update_heartbeat();
         }
-        self.say_stop(ActuationCommand::MODE_SAFE_STOP);
+        self.publish_stop(ActuationCommand::MODE_SAFE_STOP);
         if let (Some(store), true) = (&self.store, self.controller.learning_pending()) {
             self.controller.finish_learning();
             store.save(&self.controller);
@@ -174,7 +174,7 @@ impl Service {
 
     /// Answers the newest accepted state; false if there was none. All that wait are checked:
     /// whatever else is sent on the channel displaces no state.
-    fn answer(&mut self, first: Received, on_lap: OnLap<'_>) -> bool {
+    fn on_state(&mut self, first: Received, on_lap: OnLap<'_>) -> bool {
         let (mut newest, mut next) = (None, Some(first));
         for _ in 0..WAITING {
             let Some(received) = next else { break };
@@ -187,7 +187,7 @@ impl Service {
             ActuationCommand::MODE_DRIVE => self.drive(&state, arrival_ns, on_lap),
             mode => {
                 self.remember(&state, arrival_ns);
-                self.say_stop(mode);
+                self.publish_stop(mode);
             }
         }
         true
@@ -234,7 +234,7 @@ impl Service {
                 && last.answered.mono_ns == answered.mono_ns
         }) {
             // The same measurement again: the car did not receive the answer.
-            self.command(answered, ActuationCommand::MODE_DRIVE);
+            self.publish_command(answered, ActuationCommand::MODE_DRIVE);
             return;
         }
         let Some(time_ns) = self.schedule.due(state.meas_mono_ns, arrival_ns) else { return };
@@ -248,27 +248,28 @@ impl Service {
         self.options.overrun.iter().for_each(|overrun| overrun.wait(self.deadlines.steps));
         let time = stopwatch.stop();
         let cap = self.authority.speed_cap;
-        let input = operator::capped(command.input, state.vx, cap, &self.controller);
+        let before = self.last.map(|last| last.input).unwrap_or_default();
+        let input = operator::capped(command.input, before, state.vx, cap, &self.controller);
         let cut = input != command.input;
         self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
         let elapsed = || (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
         if self.deadlines.step(elapsed() > period) {
             self.authority.state = Heartbeat::SAFE_STOP;
         }
-        self.command(answered, self.authority.mode());
+        self.publish_command(answered, self.authority.mode());
         let total = elapsed();
         self.deadlines.longest = self.deadlines.longest.max(total);
         let (state_seq, overruns) = (answered.seq, self.deadlines.overruns);
-        self.tell(&command, &Step { state_seq, time, total, overruns }, on_lap);
+        self.publish_step(&command, &Step { state_seq, time, total, overruns }, on_lap);
     }
 
-    fn command(&mut self, answered: Answered, mode: i8) {
+    fn publish_command(&mut self, answered: Answered, mode: i8) {
         let input = self.last.map(|last| last.input).unwrap_or_default();
         let drives = mode == ActuationCommand::MODE_DRIVE;
         let cut = self.last.is_some_and(|last| last.cut);
         #[expect(clippy::cast_possible_truncation, reason = "seconds")]
         let valid_for_us = (self.options.valid_for * 1e6) as i32;
-        let order = Order {
+        let order = CommandDraft {
             answered,
             mode,
             input: if drives { input } else { Input { a: 0.0, ..input } },
@@ -282,13 +283,13 @@ impl Service {
         self.count(sent);
     }
 
-    fn say_stop(&mut self, mode: i8) {
+    fn publish_stop(&mut self, mode: i8) {
         let answered = self.last.map(|last| last.answered).unwrap_or_default();
-        self.command(answered, mode);
+        self.publish_command(answered, mode);
     }
 
     /// After the command: telemetry, the end of a lap, and what can be prepared.
-    fn tell(&mut self, command: &Command, step: &Step, on_lap: OnLap<'_>) {
+    fn publish_step(&mut self, command: &Command, step: &Step, on_lap: OnLap<'_>) {
         let h = self.telemetry.header();
         let message = telemetry::step_message(h, &self.controller, command, step);
         let sent = self.telemetry.send(&message);
@@ -320,14 +321,14 @@ impl Service {
         let Some(last) = self.last else { return };
         let silent_ns = transport::now().mono_ns - last.arrival_ns;
         if silent_ns > convert::nanoseconds(self.options.valid_for) {
-            self.say_stop(match self.mode() {
+            self.publish_stop(match self.mode() {
                 ActuationCommand::MODE_DRIVE => ActuationCommand::MODE_SAFE_STOP,
                 mode => mode,
             });
         }
     }
 
-    fn obey(&mut self, received: &Received) {
+    fn on_operator_command(&mut self, received: &Received) {
         let times = (received.arrival.mono_ns, transport::now().mono_ns);
         let order = match self.operators.hear(&received.payload, times) {
             None => return,
@@ -362,7 +363,7 @@ impl Service {
         self.send_errors += u64::from(sent.is_err());
     }
 
-    fn report(&mut self) {
+    fn update_heartbeat(&mut self) {
         if let Some(outcome) = self.store.as_ref().and_then(Store::outcome) {
             self.save_error = outcome;
         }

@@ -10,7 +10,7 @@ use vehicle_model::{Input, State, Track};
 
 use mapping::{Drive, Mapping};
 use protocol::convert;
-use safety::{Output, Source};
+use safety::{InputSource, Output};
 use transport::{Received, Transport};
 use vehicle_host::{Vehicle, VehicleError};
 
@@ -141,7 +141,7 @@ impl CarSide {
             Self::Simulated(_) | Self::Stepped(_) => Ok(()),
             // Held by the map's own `stop` values, braked along the track by ours.
             Self::Mapped(car) => {
-                car.tell((output.source != Source::None).then_some(output.applied.sent))
+                car.tell((output.source != InputSource::None).then_some(output.applied.sent))
             }
         }
     }

@@ -43,7 +43,7 @@ Examples:
   lmpc hil run bench/faults.toml --scenario 'command loss' --repeats 1000 --seed 7
 
 Runs every scenario in real time in a network namespace of its own: nothing leaves this computer.
-Writes verdict.html and junit.xml. Exit code 0 if every run of every scenario met its limits,
+Writes verdict.html (prints on A4), verdict.json and junit.xml. Exit code 0 if every run of every scenario met its limits,
 1 else; the last line names what failed. `lmpc check BENCH.toml` finds mistakes in a bench file.";
 
 /// Options of `lmpc hil`.
@@ -136,9 +136,12 @@ pub struct HilRunArgs {
     /// Runs at the same time
     #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub jobs: u32,
-    /// Folder for verdict.html and junit.xml
+    /// Folder for verdict.html, verdict.json and junit.xml
     #[arg(long, default_value = "out/hil", value_name = "DIR")]
     pub out: PathBuf,
+    /// Who tests, for the verdict; else a line to fill in by hand
+    #[arg(long, value_name = "NAME")]
+    pub tester: Option<String>,
     /// The network is already one of its own
     #[arg(long, hide = true)]
     pub isolated: bool,

@@ -40,7 +40,7 @@ pub use shell::{CompletionsArgs, ManArgs};
 pub use study::{CampaignArgs, MergeArgs, PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
-pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs};
+pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs, TryVehicleArgs};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -131,7 +131,7 @@ impl Command {
                 Vehicle::Sim(args) => Some(&args.network),
                 Vehicle::Fmu(args) => Some(&args.car.network),
                 Vehicle::Car(args) => Some(&args.network),
-                Vehicle::Inspect(_) => None,
+                Vehicle::Inspect(_) | Vehicle::Try(_) => None,
             },
             Self::Hil(args) => match &args.action {
                 HilAction::Drive(args) => Some(&args.network),

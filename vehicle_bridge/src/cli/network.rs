@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs, LimitArgs};
+use super::{ControllerArgs, FmuCarArgs, InspectVehicleArgs, LimitArgs, TryVehicleArgs};
 use services::deadline_monitor::Overrun;
 use transport::DEFAULT_URL;
 
@@ -116,6 +116,8 @@ pub enum Vehicle {
     Fmu(Box<FmuCarArgs>),
     /// Propose a map for a vehicle FMU, as TOML
     Inspect(InspectVehicleArgs),
+    /// Drive a vehicle FMU in small steps and correct the senses and units of its map
+    Try(TryVehicleArgs),
 }
 
 /// Options of `lmpc vehicle sim`.

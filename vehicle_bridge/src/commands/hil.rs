@@ -3,6 +3,7 @@
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::Command;
+use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 use comfy_table::{Table, presets};
@@ -13,7 +14,8 @@ use crate::check::check_file;
 use crate::cli::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
 use hil_bench::host::NETWORK_UP;
-use hil_bench::{Bench, Verdict, drive, execute, probe, verdict};
+use hil_bench::verdict::{self, Tested};
+use hil_bench::{Bench, Verdict, drive, execute, probe};
 
 const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
 
@@ -32,12 +34,16 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
         return Err(isolate());
     }
     let bench = load(args)?;
+    let (lmpc, begun) = (std::env::current_exe()?, Instant::now());
+    let mut tested = Tested::new(&bench, &args.bench, &lmpc)?;
+    tested.options = options(args);
+    tested.tester = args.tester.clone().unwrap_or_default();
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let total: u32 = bench.scenarios.iter().map(|scenario| bench.repeats(scenario)).sum();
     let mut count = 0;
     let jobs = args.jobs as usize;
-    let (verdicts, stood) = execute(&bench, std::env::current_exe()?, jobs, |scenario, run| {
+    let (verdicts, stood) = execute(&bench, lmpc, jobs, |scenario, run| {
         count += 1;
         for disturbed in &run.disturbed {
             talk.say(&format!("{}, seed {}, repeated: {disturbed}", scenario.name, run.seed));
@@ -62,8 +68,10 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
             stood.longest * 1e3
         ));
     }
-    write("junit.xml", verdict::junit(&bench, &verdicts))?;
-    write("verdict.html", verdict::page(&bench, &verdicts))?;
+    tested.ended(begun.elapsed().as_secs_f64(), stood);
+    write("junit.xml", verdict::junit(&bench, &tested, &verdicts))?;
+    write("verdict.json", verdict::json(&bench, &tested, &verdicts)?)?;
+    write("verdict.html", verdict::page(&bench, &tested, &verdicts))?;
     say(&verdicts, args)
 }
 
@@ -84,9 +92,7 @@ fn say(verdicts: &[Verdict<'_>], args: &HilRunArgs) -> Result<Outcome> {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(HEAD);
-    for verdict in verdicts {
-        table.add_rows(verdict::rows(verdict));
-    }
+    table.add_rows(verdict::rows(verdicts));
     for line in table.to_string().lines() {
         result(line.trim_end())?;
     }
@@ -102,6 +108,17 @@ fn say(verdicts: &[Verdict<'_>], args: &HilRunArgs) -> Result<Outcome> {
     }
     result(&paint(BAD, &format!("FAIL: {}", failed.join(", "))))?;
     Ok(Outcome::Problems)
+}
+
+/// What options change of the file, for the verdict.
+fn options(args: &HilRunArgs) -> String {
+    let scenarios = args.scenarios.iter().map(|name| format!("--scenario '{name}'"));
+    let numbers = [
+        args.repeats.map(|repeats| format!("--repeats {repeats}")),
+        args.seed.map(|seed| format!("--seed {seed}")),
+        (args.jobs != 1).then(|| format!("--jobs {}", args.jobs)),
+    ];
+    scenarios.chain(numbers.into_iter().flatten()).collect::<Vec<_>>().join(" ")
 }
 
 fn load(args: &HilRunArgs) -> Result<Bench> {

@@ -78,6 +78,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
             Vehicle::Fmu(args) => network::sim(&args.car, Some((&args.file, &args.fmu)), talk),
             Vehicle::Car(args) => network::car(&args, talk),
             Vehicle::Inspect(args) => vehicle::inspect(&args),
+            Vehicle::Try(args) => vehicle::try_out(&args),
         },
         Command::Bridge(args) => operator::bridge(&args, talk),
         Command::Operator(args) => operator::operator(&args, talk),

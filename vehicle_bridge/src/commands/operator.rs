@@ -19,7 +19,7 @@ use hosting::settings::Usage;
 use hosting::shutdown::Shutdown;
 use protocol::convert;
 use racing::RaceOptions;
-use safety::{Phase, Rules, StopReason};
+use safety::{BridgeState, Rules, StopReason};
 use services::blackbox::BlackBox;
 use services::bridge::Bridge;
 use services::map_file;
@@ -214,7 +214,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
         Held::Ended(Answered { who, ack }) => {
             complain(&format!(
                 "{who} ended the drive, it is in state {}",
-                Phase::name_of(ack.state)
+                BridgeState::name_of(ack.state)
             ));
             Ok(Outcome::Degraded)
         }
@@ -225,7 +225,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
 fn show(answers: &[Answered]) -> Result<Outcome> {
     let mut refused = false;
     for answer in answers {
-        let state = Phase::name_of(answer.ack.state);
+        let state = BridgeState::name_of(answer.ack.state);
         if answer.ack.accepted {
             result(&format!("{}: {state}", answer.who))?;
         } else {

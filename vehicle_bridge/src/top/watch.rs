@@ -9,7 +9,7 @@ use lcm_types::{
 
 use super::stream::Stream;
 use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen};
-use safety::Phase;
+use safety::BridgeState;
 
 /// A program silent for longer may be gone. \[s\]
 const SILENCE_S: f64 = 0.5;
@@ -215,7 +215,7 @@ fn program(name: &str, beat: &Heartbeat, age_s: f64) -> ProgramSeen {
     ProgramSeen {
         name: name.to_owned(),
         sender: beat.h.sender.clone(),
-        state: Phase::name_of(beat.state).to_owned(),
+        state: BridgeState::name_of(beat.state).to_owned(),
         age_s,
         alive: age_s <= SILENCE_S,
         uptime_s: beat.uptime_s,

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 pub mod chart;
+pub mod panels;
 pub mod scale;
 
 pub use chart::{Chart, Mark, Reference, Series};
@@ -32,11 +33,17 @@ pub fn path(points: impl IntoIterator<Item = (f64, f64)>, decimals: usize) -> St
 /// A whole page from its parts; `title` and `lead` are plain text, the rest is HTML.
 #[must_use]
 pub fn page(title: &str, lead: &str, body: &str, script: &str) -> String {
+    styled_page(title, lead, "", body, script)
+}
+
+/// The same with rules of its own behind the common style sheet.
+#[must_use]
+pub fn styled_page(title: &str, lead: &str, css: &str, body: &str, script: &str) -> String {
     let title = escape(title);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n\
+         <title>{title}</title>\n<style>\n{}{css}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n\
          <p>{}</p>\n</header>\n<main>\n{body}</main>\n\
          <footer>lmpc {}</footer>\n<script>\n{script}</script>\n</body>\n</html>\n",
         include_str!("page.css"),

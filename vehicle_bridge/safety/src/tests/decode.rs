@@ -72,7 +72,7 @@ fn running(rules: &Rules) -> Safety {
         assert!(!matches!(output.answer, Answer::Denied(_) | Answer::Rejected(_)), "{output:?}");
         safety = next;
     }
-    assert_eq!(safety.phase(), Phase::Running);
+    assert_eq!(safety.bridge_state(), BridgeState::Running);
     safety
 }
 

@@ -140,7 +140,7 @@ fn drive_as(
         if begun.is_none() {
             drive.before = drive.before.max(safety.finding().level);
         }
-        if running && safety.phase() != Phase::Running {
+        if running && safety.bridge_state() != BridgeState::Running {
             running = false;
             drive.why = safety.stop_reason();
             drive.detected = begun.map(|(at, _)| (now - at) as f64 * 1e-9);

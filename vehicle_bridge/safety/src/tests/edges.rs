@@ -212,12 +212,15 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     for (n, at_ms) in (1010..=1150).step_by(10).enumerate() {
         tell(still, at_ms);
         let (safety, answer) = tell(Event::Heartbeat(OTHER), at_ms);
-        assert_eq!((safety.phase(), answer), (Phase::Armed, refused));
+        assert_eq!((safety.bridge_state(), answer), (BridgeState::Armed, refused));
         assert_eq!(safety.counts(), Counts { old: n as i64 + 1, ..Counts::default() });
     }
     // The armed controller's are missed as without it.
     let (safety, answer) = tell(Event::Heartbeat(OTHER), 1151);
-    assert_eq!((safety.phase(), safety.stop_reason()), (Phase::Idle, StopReason::Heartbeat));
+    assert_eq!(
+        (safety.bridge_state(), safety.stop_reason()),
+        (BridgeState::Idle, StopReason::Heartbeat)
+    );
     assert_eq!(answer, Answer::None, "in IDLE each is taken");
     tell(Event::Setup(OTHER, rules.setup), 1152);
     let arm = OrderKind::Arm { moving: false, controller: OTHER };
@@ -229,13 +232,13 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
 
 #[test]
 fn a_state_is_called_by_its_number() {
-    use Phase::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
+    use BridgeState::{Armed, Boot, Estop, Fault, Idle, Running, SafeStop};
     let names = ["BOOT", "IDLE", "ARMED", "RUNNING", "SAFE_STOP", "FAULT", "ESTOP"];
     let phases = [Boot, Idle, Armed, Running, SafeStop, Fault, Estop];
-    for (phase, name) in phases.into_iter().zip(names) {
-        assert_eq!((phase.name(), Phase::name_of(phase as i8)), (name, name));
+    for (bridge_state, name) in phases.into_iter().zip(names) {
+        assert_eq!((bridge_state.name(), BridgeState::name_of(bridge_state as i8)), (name, name));
     }
-    assert_eq!(Phase::name_of(i8::MAX), "unknown");
+    assert_eq!(BridgeState::name_of(i8::MAX), "unknown");
 }
 
 /// A core that runs by the token 9, deadline of commands far away.
@@ -254,7 +257,7 @@ fn running(rules: &Rules) -> Safety {
     ] {
         safety = step(rules, &safety, &event, at_ms * MS).0;
     }
-    assert_eq!(safety.phase(), Phase::Running);
+    assert_eq!(safety.bridge_state(), BridgeState::Running);
     safety
 }
 
@@ -267,14 +270,14 @@ fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
     let mut tell = |event: Event<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
-        (safety.phase(), safety.stop_reason(), output.answer)
+        (safety.bridge_state(), safety.stop_reason(), output.answer)
     };
     let still = Event::State(State::default(), 2);
-    assert_eq!(tell(start(false), 1010).0, Phase::Running, "said again");
-    assert_eq!(tell(start(true), 1020), (Phase::Running, StopReason::None, Answer::Accepted));
+    assert_eq!(tell(start(false), 1010).0, BridgeState::Running, "said again");
+    assert_eq!(tell(start(true), 1020), (BridgeState::Running, StopReason::None, Answer::Accepted));
     tell(still, 1100);
-    assert_eq!(tell(still, 1120).0, Phase::Running);
-    assert_eq!(tell(still, 1121), (Phase::SafeStop, StopReason::Deadman, Answer::Accepted));
+    assert_eq!(tell(still, 1120).0, BridgeState::Running);
+    assert_eq!(tell(still, 1121), (BridgeState::SafeStop, StopReason::Deadman, Answer::Accepted));
 }
 
 #[test]
@@ -282,15 +285,18 @@ fn a_bridge_that_ends_stops_the_car_first() {
     let rules = rules();
     let safety = running(&rules);
     let ended = step(&rules, &safety, &Event::End, 1010 * MS).0;
-    assert_eq!((ended.phase(), ended.stop_reason()), (Phase::SafeStop, StopReason::End));
+    assert_eq!(
+        (ended.bridge_state(), ended.stop_reason()),
+        (BridgeState::SafeStop, StopReason::End)
+    );
     assert_eq!((ended.token(), ended.counts().stops), (0, 1));
     let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
     let idle = step(&rules, &ended, &Event::Tick, 1011 * MS).0;
-    assert_eq!(idle.phase(), Phase::Idle, "it stands");
+    assert_eq!(idle.bridge_state(), BridgeState::Idle, "it stands");
     let armed =
         step(&rules, &idle, &order(OrderKind::Arm { moving: false, controller: 0 }), 1012 * MS).0;
-    assert_eq!(armed.phase(), Phase::Armed);
-    assert_eq!(step(&rules, &armed, &Event::End, 1013 * MS).0.phase(), Phase::Idle);
+    assert_eq!(armed.bridge_state(), BridgeState::Armed);
+    assert_eq!(step(&rules, &armed, &Event::End, 1013 * MS).0.bridge_state(), BridgeState::Idle);
     let stopped = step(&rules, &armed, &order(OrderKind::Estop), 1013 * MS).0;
     assert_eq!(step(&rules, &stopped, &Event::End, 1014 * MS).0, stopped, "it stays latched");
 }

@@ -85,7 +85,7 @@ impl Generator {
     }
 
     /// A cycle of about 10 ms.
-    fn cycle(&mut self, phase: Phase) {
+    fn cycle(&mut self, bridge_state: BridgeState) {
         if self.left == 0 {
             let calm = self.once_in(3);
             self.mood = if calm { Mood::Calm } else { MOODS[self.random.random_range(0..11)] };
@@ -94,7 +94,7 @@ impl Generator {
         }
         self.left -= 1;
         let (mood, n) = (self.mood, self.random.random_range(0..1000));
-        if phase == Phase::Boot && n % 7 == 0 {
+        if bridge_state == BridgeState::Boot && n % 7 == 0 {
             let early = [Plan::Fail, Plan::Order(OrderKind::Estop, false)];
             self.queue.push_back(early[n % 2]);
         }
@@ -104,7 +104,7 @@ impl Generator {
             self.queue.push_back(Plan::Setup);
         }
         let often = if mood == Mood::Chaos { 12 } else { 4 };
-        let kind = match phase {
+        let kind = match bridge_state {
             _ if (chaos && self.once_in(30)) || self.once_in(400) => [
                 OrderKind::Estop,
                 OrderKind::Stop,
@@ -119,18 +119,20 @@ impl Generator {
                 Some(OrderKind::SpeedCap([0.0, 1000.0, 1e4, -1.0, 2.0, 0.5, f64::NAN][n % 7]))
             }
             _ if !self.once_in(often) => None,
-            Phase::Boot | Phase::Idle => Some(OrderKind::Arm { moving: n % 9 == 0, controller: 0 }),
+            BridgeState::Boot | BridgeState::Idle => {
+                Some(OrderKind::Arm { moving: n % 9 == 0, controller: 0 })
+            }
             // What ends ARMED alone needs time.
-            Phase::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
-            Phase::Armed => Some(OrderKind::Start),
-            Phase::Fault | Phase::Estop => Some(OrderKind::Reset),
-            Phase::SafeStop if self.once_in(60) => Some(OrderKind::Estop),
-            Phase::Running | Phase::SafeStop => None,
+            BridgeState::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
+            BridgeState::Armed => Some(OrderKind::Start),
+            BridgeState::Fault | BridgeState::Estop => Some(OrderKind::Reset),
+            BridgeState::SafeStop if self.once_in(60) => Some(OrderKind::Estop),
+            BridgeState::Running | BridgeState::SafeStop => None,
         };
-        if phase == Phase::Armed {
+        if bridge_state == BridgeState::Armed {
             self.deadman = n % 2 == 0 || mood == Mood::Released;
         }
-        let silent = mood == Mood::NoStates || (phase == Phase::Boot && n % 2 == 0);
+        let silent = mood == Mood::NoStates || (bridge_state == BridgeState::Boot && n % 2 == 0);
         if let Some(kind) = kind {
             if !silent {
                 // Whether the car stands is then said, not reckoned.
@@ -139,7 +141,7 @@ impl Generator {
             self.queue.push_back(Plan::Order(kind, self.deadman));
         }
         let fell_silent = mood == Mood::Released && n % 2 == 0 && self.left < 20;
-        if phase == Phase::Running && self.deadman && !fell_silent {
+        if bridge_state == BridgeState::Running && self.deadman && !fell_silent {
             let held = !(mood == Mood::Released && self.once_in(40));
             self.queue.push_back(Plan::Order(OrderKind::Start, held));
         }
@@ -173,7 +175,7 @@ impl Generator {
     /// The next event and its time.
     pub(super) fn next(&mut self, rules: &Rules, model: &Model, now: i64) -> (Said, i64) {
         while self.queue.is_empty() {
-            self.cycle(model.phase);
+            self.cycle(model.bridge_state);
         }
         let plan = self.queue.pop_front().unwrap_or(Plan::Tick);
         let pause = match (self.mood, plan) {
@@ -203,9 +205,11 @@ impl Generator {
         let odd = self.once_in(12);
         match plan {
             Plan::State => {
-                let stands = match model.phase {
-                    Phase::SafeStop => self.once_in(8),
-                    Phase::Running | Phase::Estop | Phase::Fault => self.once_in(2),
+                let stands = match model.bridge_state {
+                    BridgeState::SafeStop => self.once_in(8),
+                    BridgeState::Running | BridgeState::Estop | BridgeState::Fault => {
+                        self.once_in(2)
+                    }
                     _ => !self.once_in(10),
                 };
                 let v_x = self.random.random_range(if stands { 0.0..0.05 } else { 1.5..3.0 });

@@ -1,6 +1,7 @@
 //! A million random events against a model of the rules, and single cases.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
+mod boundaries;
 mod decode;
 mod doubt;
 mod edges;
@@ -37,7 +38,7 @@ const ENDS: &str = "ARMED:Gap ARMED:States ARMED:Heartbeat ARMED:Operator ARMED:
                     RUNNING:End RUNNING:Controller RUNNING:Flood RUNNING:Operator RUNNING:Car";
 const REJECTS: &str = "NotFinite Range Rate Stale Boot Sequence Token Unanswered";
 const DENIALS: &str = "NoState NotFresh NotGood NoController Controllers OtherController NoSetup Track \
-                       Car Period Config Moves NotArmed Phase \
+                       Car Period Config Moves NotArmed BridgeState \
                        Token Latched NothingToReset Cap Unknown";
 /// Each of them is reached at least this often.
 const OFTEN: u32 = 10;
@@ -102,10 +103,13 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
         assert!(sent.a <= most + 1e-9, "{sent:?} at {v_x}, cap {cap}");
     }
     assert!(model.cap.is_some() || !output.applied.by(Limit::SpeedCap), "no cap is ordered");
-    let command = model.command.filter(|_| model.phase == Phase::Running);
+    let command = model.command.filter(|_| model.bridge_state == BridgeState::Running);
     let Some(command) = command else {
-        let held = !matches!(model.phase, Phase::SafeStop | Phase::Fault | Phase::Estop);
-        assert_eq!(output.source, if held { Source::None } else { Source::Stop });
+        let held = !matches!(
+            model.bridge_state,
+            BridgeState::SafeStop | BridgeState::Fault | BridgeState::Estop
+        );
+        assert_eq!(output.source, if held { InputSource::None } else { InputSource::Stop });
         let standing = model.state.is_some_and(|(at, v_x)| at == now && v_x < 0.5);
         assert!(asked.a <= if standing { 0.2 * l.a_min } else { 0.0 }, "{output:?}");
         return;
@@ -113,7 +117,7 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
     let age = now - command.arrival_ns;
     assert!(age <= command.valid_for_ns.min(rules.period_ns + rules.timeout_ns), "{age}");
     if age <= rules.period_ns {
-        assert_eq!((output.source, asked), (Source::Command, command.input));
+        assert_eq!((output.source, asked), (InputSource::Command, command.input));
     } else {
         let plan = &command.plan[..command.n_plan];
         let step = if command.plan_dt > 0.0 { age as f64 * 1e-9 / command.plan_dt } else { 0.0 };
@@ -121,7 +125,7 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
         let near = |x: f64| plan.get((x.max(0.0) as usize).min(plan.len().max(1) - 1));
         let right = [near(step - 1e-6), near(step + 1e-6)].map(|u| u.copied());
         let asked = Some(asked);
-        assert_eq!(output.source, Source::Plan);
+        assert_eq!(output.source, InputSource::Plan);
         if plan.is_empty() {
             assert_eq!(asked, Some(command.input));
         } else {
@@ -165,23 +169,28 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
         if n % 10 == 0 {
             check_deadline(rules, &safety, now, &context);
         }
-        let (was, token, held) = (model.phase, model.token, model.held_since());
+        let (was, token, held) = (model.bridge_state, model.token, model.held_since());
         let answer = model.take(rules, &event, damage, now);
         assert_eq!(gist(&output.answer), gist(&answer), "{}", context());
         seen.note(&answer);
         // Between two states, whether the car stands is reckoned, which the model does not.
         let reckoned = model.state.is_none_or(|(at, _)| at != now);
-        let (stop, stand) = (Phase::SafeStop, Phase::Idle);
-        if reckoned && [(stop, stand), (stand, stop)].contains(&(model.phase, safety.phase())) {
-            model.phase = safety.phase();
+        let (stop, stand) = (BridgeState::SafeStop, BridgeState::Idle);
+        if reckoned
+            && [(stop, stand), (stand, stop)].contains(&(model.bridge_state, safety.bridge_state()))
+        {
+            model.bridge_state = safety.bridge_state();
         }
-        assert_eq!(safety.phase(), model.phase, "{}", context());
+        assert_eq!(safety.bridge_state(), model.bridge_state, "{}", context());
         assert_eq!(safety.stop_reason(), model.stop_reason, "{}", context());
         assert_eq!(safety.token(), model.token, "{}", context());
-        assert_eq!(safety.token() != 0, matches!(model.phase, Phase::Armed | Phase::Running));
+        assert_eq!(
+            safety.token() != 0,
+            matches!(model.bridge_state, BridgeState::Armed | BridgeState::Running)
+        );
         assert_eq!(safety.command(), model.command.map(|c| (c.boot_id, c.seq)), "{}", context());
-        if model.phase != was || model.token != token {
-            let way = format!("{}>{}", was.name(), model.phase.name());
+        if model.bridge_state != was || model.token != token {
+            let way = format!("{}>{}", was.name(), model.bridge_state.name());
             *seen.ways.entry(way).or_default() += 1;
         }
         if token != 0 && model.token != token {

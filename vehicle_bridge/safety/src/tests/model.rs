@@ -8,7 +8,7 @@ use super::*;
 /// What the rules demand so far.
 #[derive(Default)]
 pub(super) struct Model {
-    pub(super) phase: Phase,
+    pub(super) bridge_state: BridgeState,
     pub(super) stop_reason: StopReason,
     pub(super) token: i64,
     pub(super) counts: Counts,
@@ -57,14 +57,15 @@ impl Model {
                     self.good_since = Some(now);
                 }
                 self.state = Some((now, x.v_x.hypot(x.v_y)));
-                if self.phase == Phase::Boot {
-                    self.phase = Phase::Idle;
+                if self.bridge_state == BridgeState::Boot {
+                    self.bridge_state = BridgeState::Idle;
                 }
                 Answer::Accepted
             }
             Event::Command(offer) => self.hear(rules, offer, damage, now),
             Event::Heartbeat(sender) => {
-                let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+                let granted =
+                    matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running);
                 if granted && *sender != self.holder {
                     self.counts.old += 1;
                     return Answer::Rejected(Reject::Boot);
@@ -81,25 +82,29 @@ impl Model {
                 Answer::None
             }
             Event::End => {
-                match self.phase {
-                    Phase::Running => self.end(Phase::SafeStop, StopReason::End),
-                    Phase::Armed => self.end(Phase::Idle, StopReason::End),
+                match self.bridge_state {
+                    BridgeState::Running => self.end(BridgeState::SafeStop, StopReason::End),
+                    BridgeState::Armed => self.end(BridgeState::Idle, StopReason::End),
                     _ => {}
                 }
                 Answer::None
             }
-            Event::Order(order) => match self.obey(rules, order, now) {
+            Event::Order(order) => match self.on_order(rules, order, now) {
                 None => Answer::Accepted,
                 Some(denied) => Answer::Denied(denied),
             },
             Event::CarFailed => {
-                let to = if self.phase == Phase::Estop { Phase::Estop } else { Phase::Fault };
+                let to = if self.bridge_state == BridgeState::Estop {
+                    BridgeState::Estop
+                } else {
+                    BridgeState::Fault
+                };
                 self.end(to, StopReason::Car);
                 Answer::None
             }
             Event::Tick => {
-                if self.phase == Phase::SafeStop && self.stands(rules, now) {
-                    self.phase = Phase::Idle;
+                if self.bridge_state == BridgeState::SafeStop && self.stands(rules, now) {
+                    self.bridge_state = BridgeState::Idle;
                 }
                 self.tick = Some(now);
                 Answer::None
@@ -126,23 +131,23 @@ impl Model {
         self.fresh(rules, now) && self.state.is_some_and(|(_, speed)| speed < rules.still)
     }
 
-    fn end(&mut self, to: Phase, why: StopReason) {
-        self.counts.stops += i64::from(self.phase == Phase::Running);
-        (self.phase, self.stop_reason, self.token) = (to, why, 0);
+    fn end(&mut self, to: BridgeState, why: StopReason) {
+        self.counts.stops += i64::from(self.bridge_state == BridgeState::Running);
+        (self.bridge_state, self.stop_reason, self.token) = (to, why, 0);
         (self.command, self.last_seq, self.held) = (None, None, None);
     }
 
     fn let_time_pass(&mut self, rules: &Rules, event: &Event<'_>, now: i64) {
-        let to = match self.phase {
-            Phase::Armed => Phase::Idle,
-            Phase::Running => Phase::SafeStop,
+        let to = match self.bridge_state {
+            BridgeState::Armed => BridgeState::Idle,
+            BridgeState::Running => BridgeState::SafeStop,
             _ => return,
         };
         let patience = rules.tick_ns + rules.timeout_ns;
         let is_state = matches!(event, Event::State(..));
         let beat = self.heard.get(&self.holder).and_then(|(beat, ..)| *beat);
         let pulse = beat.unwrap_or(i64::MIN / 2);
-        let begun = self.phase == Phase::Running;
+        let begun = self.bridge_state == BridgeState::Running;
         let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
             now - c.arrival_ns > rules.period_ns + rules.timeout_ns
         });
@@ -173,7 +178,7 @@ impl Model {
         }
         *count += 1;
         let much = *count > 100;
-        let granted = matches!(self.phase, Phase::Armed | Phase::Running);
+        let granted = matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running);
         let reject = if much {
             Some(Reject::Rate)
         } else if damage.is_some_and(|d| (d as u8) < Reject::Boot as u8) {
@@ -195,29 +200,29 @@ impl Model {
                 }
                 _ => self.counts.bad += 1,
             }
-            if much && self.phase == Phase::Running && offer.boot_id == self.holder {
-                self.end(Phase::SafeStop, StopReason::Flood);
+            if much && self.bridge_state == BridgeState::Running && offer.boot_id == self.holder {
+                self.end(BridgeState::SafeStop, StopReason::Flood);
             }
             return Answer::Rejected(reject);
         }
         self.counts.ok += 1;
         self.counts.lost += self.last_seq.map_or(0, |last| offer.seq - last - 1);
         self.last_seq = Some(offer.seq);
-        match (self.phase, offer.estop, offer.drives) {
-            (_, true, _) => self.end(Phase::Estop, StopReason::Controller),
-            (Phase::Running, _, true) => self.command = Some(*offer),
-            (Phase::Running, _, false) if self.command.is_some() => {
-                self.end(Phase::SafeStop, StopReason::Controller);
+        match (self.bridge_state, offer.estop, offer.drives) {
+            (_, true, _) => self.end(BridgeState::Estop, StopReason::Controller),
+            (BridgeState::Running, _, true) => self.command = Some(*offer),
+            (BridgeState::Running, _, false) if self.command.is_some() => {
+                self.end(BridgeState::SafeStop, StopReason::Controller);
             }
             _ => {}
         }
         Answer::Accepted
     }
 
-    fn obey(&mut self, rules: &Rules, order: &Order, now: i64) -> Option<Denied> {
+    fn on_order(&mut self, rules: &Rules, order: &Order, now: i64) -> Option<Denied> {
         use OrderKind::{Arm, Disarm, Estop, Reset, SpeedCap, Start, Stop, Unknown};
-        let (phase, name) = (self.phase, self.phase.name());
-        let latched = matches!(phase, Phase::Estop | Phase::Fault);
+        let (bridge_state, name) = (self.bridge_state, self.bridge_state.name());
+        let latched = matches!(bridge_state, BridgeState::Estop | BridgeState::Fault);
         let seen = match self.state {
             None => Some(Denied::NoState),
             Some(_) if !self.fresh(rules, now) => Some(Denied::NotFresh),
@@ -225,9 +230,9 @@ impl Model {
             Some(_) => None,
         };
         match order.kind {
-            Estop => self.end(Phase::Estop, StopReason::Operator),
+            Estop => self.end(BridgeState::Estop, StopReason::Operator),
             Reset if latched && seen.is_some() => return seen,
-            Reset if latched => self.phase = Phase::Idle,
+            Reset if latched => self.bridge_state = BridgeState::Idle,
             Reset => return Some(Denied::NothingToReset),
             Unknown(n) => return Some(Denied::Unknown(n)),
             SpeedCap(found) if !(0.0..=1000.0).contains(&found) => {
@@ -235,14 +240,18 @@ impl Model {
             }
             SpeedCap(cap) => self.cap = Some(cap).filter(|cap| *cap > 0.0),
             _ if latched => return Some(Denied::Latched(name)),
-            Stop | Disarm if phase == Phase::Running => {
-                self.end(Phase::SafeStop, StopReason::Operator);
+            Stop | Disarm if bridge_state == BridgeState::Running => {
+                self.end(BridgeState::SafeStop, StopReason::Operator);
             }
-            Stop | Disarm if phase == Phase::Armed => self.end(Phase::Idle, StopReason::Operator),
+            Stop | Disarm if bridge_state == BridgeState::Armed => {
+                self.end(BridgeState::Idle, StopReason::Operator)
+            }
             Stop | Disarm => {}
-            Arm { .. } if phase == Phase::Armed => {}
-            Arm { .. } if phase == Phase::Boot => return Some(Denied::NoState),
-            Arm { .. } if phase != Phase::Idle => return Some(Denied::Phase(name)),
+            Arm { .. } if bridge_state == BridgeState::Armed => {}
+            Arm { .. } if bridge_state == BridgeState::Boot => return Some(Denied::NoState),
+            Arm { .. } if bridge_state != BridgeState::Idle => {
+                return Some(Denied::BridgeState(name));
+            }
             Arm { moving, controller } => {
                 let good_ns = self.good_since.map_or(0, |since| now - since);
                 match seen {
@@ -272,21 +281,21 @@ impl Model {
                 if let Some(denied) = mismatch(&setup, &rules.setup) {
                     return Some(denied);
                 }
-                (self.phase, self.token, self.stop_reason) =
-                    (Phase::Armed, order.fresh, StopReason::None);
+                (self.bridge_state, self.token, self.stop_reason) =
+                    (BridgeState::Armed, order.fresh, StopReason::None);
                 self.holder = holder;
             }
             Start if self.token == 0 => return Some(Denied::NotArmed(name)),
             Start if order.token != self.token => {
                 return Some(Denied::Token { found: order.token });
             }
-            Start if phase == Phase::Armed => {
-                (self.phase, self.started) = (Phase::Running, now);
+            Start if bridge_state == BridgeState::Armed => {
+                (self.bridge_state, self.started) = (BridgeState::Running, now);
                 self.held = order.deadman.then_some(now);
             }
             Start if order.deadman => self.held = Some(now),
             Start if self.held.is_none() => {}
-            Start => self.end(Phase::SafeStop, StopReason::Deadman),
+            Start => self.end(BridgeState::SafeStop, StopReason::Deadman),
         }
         None
     }

@@ -63,7 +63,7 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         let edge =
             (track.width_left(truth.s) - truth.e_y).min(track.width_right(truth.s) + truth.e_y);
         least = least.min(edge);
-        if safety.phase() == Phase::Idle {
+        if safety.bridge_state() == BridgeState::Idle {
             assert!(truth.v_x < 0.1, "{truth:?}");
             return least;
         }

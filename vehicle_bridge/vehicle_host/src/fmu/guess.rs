@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use fmu_core::{Inspection, VariableRow};
 
 use super::map::{Frame, Map, input_quantities, state_quantities};
+use super::sense::{Sense, sense};
 use super::slave::{attribute, row};
 use super::units::{self, Dimension};
 
@@ -47,7 +48,9 @@ e_y = "initial.e_y"
 "#;
 
 /// Names a quantity goes by, words joined; the better first.
-const NAMES: [(&str, &[&str]); 11] = [
+const NAMES: [(&str, &[&str]); 13] = [
+    ("speed", &["speedoverground", "sog", "groundspeed", "speed", "velocity", "vground"]),
+    ("side_slip", &["sideslip", "sideslipangle", "beta", "slipangle", "driftangle", "bodyslip"]),
     ("a", &["a", "acceleration", "accel", "acc", "ax", "acceleratordemand", "longacc"]),
     ("delta", &["delta", "steer", "steering", "steeringangle", "roadwheelangle", "wheelangle"]),
     ("v_x", &["vx", "velocityx", "longitudinalvelocity", "vlong", "speed", "velocity", "v"]),
@@ -84,7 +87,7 @@ pub fn map_of_ours(inspection: &Inspection) -> Option<Map> {
 struct Guess<'a> {
     row: &'a VariableRow,
     unit: Option<String>,
-    right: bool,
+    sense: Sense,
     doubts: Vec<String>,
 }
 
@@ -92,7 +95,6 @@ struct Guess<'a> {
 struct Words {
     joined: String,
     unit: Option<String>,
-    right: bool,
     start: bool,
 }
 
@@ -107,16 +109,15 @@ fn words(name: &str) -> Words {
         split.extend(if c.is_alphanumeric() { c.to_lowercase().next() } else { Some(' ') });
     }
     let mut all: Vec<&str> = split.split_whitespace().collect();
-    let mut found = Words { joined: String::new(), unit: None, right: false, start: false };
+    let mut found = Words { joined: String::new(), unit: None, start: false };
     // `m` and `g` are names too: a unit of one letter is taken for one only in the description.
     let is_unit = |w: &str| w.len() > 1 && units::unit(w).is_some();
     if all.len() > 1 {
         found.unit = all.last().filter(|w| is_unit(w)).map(|w| (*w).to_owned());
         all.truncate(all.len() - usize::from(found.unit.is_some()));
     }
-    found.right = all.contains(&"right");
     found.start = all.iter().any(|w| START.contains(w)) || name.ends_with('0');
-    all.retain(|w| !["right", "left"].contains(w) && !START.contains(w));
+    all.retain(|w| !super::sense::WORDS.contains(w) && !START.contains(w));
     if all.iter().any(|w| !NOISE.contains(w)) {
         all.retain(|w| !NOISE.contains(w));
     }
@@ -163,13 +164,10 @@ fn guess<'a>(
                 }
             },
         }
-        let said = row.description.to_lowercase();
-        let right = read.right || said.contains("right positive") || said.contains("to the right");
-        if right && !read.right {
-            doubts.push("positive to the right, by its description".to_owned());
-        }
+        let sense = sense(wanted.0, &row.name, &row.description);
+        doubts.extend(sense.doubt.clone());
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            best = Some((cost, Guess { row, unit, right, doubts }));
+            best = Some((cost, Guess { row, unit, sense, doubts }));
         }
     }
     best.map(|(_, guess)| guess)
@@ -195,12 +193,19 @@ pub fn propose(inspection: &Inspection, file: &str) -> String {
     let name = attribute(inspection, "modelName");
     let mut text = format!(
         "# Proposed for {name}: check every line, above all the signs (ours: x forward, y left,\n\
-         # steering, yaw and yaw rate positive to the left).\n\
+         # steering, yaw and yaw rate positive to the left); `lmpc vehicle try` measures them.\n\
          # ours = scale * unit * theirs + offset\nfmu = {file:?}\nframe = \"{}\"\n\
          # step_s = 0.01  # longest communication step; the control period if absent\n",
         if frame == Frame::Track { "track" } else { "global" }
     );
-    let state = state_quantities(frame);
+    let mut state = state_quantities(frame);
+    let state_is = |name: &str, dimension| guess(rows, (name, dimension), output, false);
+    // Speed and side slip stand in for a lateral velocity that there is none of.
+    let slip = state_is("side_slip", Dimension::Angle)
+        .filter(|_| state_is("v_y", Dimension::Speed).is_none());
+    if slip.is_some() && state_is("speed", Dimension::Speed).is_some() {
+        (state[0], state[1]) = (("speed", Dimension::Speed), ("side_slip", Dimension::Angle));
+    }
     let input = |row: &VariableRow| row.causality == "input";
     section(&mut text, "input", &input_quantities(), |w| guess(rows, w, input, false), true);
     section(&mut text, "state", &state, |w| guess(rows, w, output, false), true);
@@ -231,13 +236,16 @@ fn section<'a>(
             }
             continue;
         };
-        let Guess { row, unit, right, doubts } = found;
+        let Guess { row, unit, sense, doubts } = found;
         let mut entry = format!("{{ variable = {:?}", row.name);
         if let Some(unit) = unit {
             let _ = write!(entry, ", unit = {unit:?}");
         }
-        if right {
+        if sense.reversed {
             entry.push_str(", scale = -1.0");
+        }
+        if sense.offset != 0.0 {
+            let _ = write!(entry, ", offset = {}", sense.offset);
         }
         entry.push_str(" }");
         let doubts = if doubts.is_empty() {
@@ -296,6 +304,40 @@ mod tests {
         assert!((factor(&map.state, "v_x", "", Dimension::Speed) * 3.6 - 1.0).abs() < 1e-12);
         assert_eq!(map.state["omega_z"].variable(), "yawRate");
         assert_eq!(map.initial["v_x"].variable(), "init_speed_kmh");
+    }
+
+    #[test]
+    fn speed_and_side_slip_are_taken_where_there_is_no_lateral_velocity() {
+        let mut theirs = foreign();
+        theirs.variables.retain(|row| row.name != "lateral_velocity");
+        theirs.variables.push(variable("side_slip_angle", "output", "rad"));
+        let map = Map::from_toml(&propose(&theirs, "theirs.fmu")).unwrap();
+        assert_eq!(map.state["speed"].variable(), "Vehicle.speed_kmh");
+        assert_eq!(map.state["side_slip"].variable(), "side_slip_angle");
+        assert!(!map.state.contains_key("v_x"));
+    }
+
+    #[test]
+    fn senses_come_from_words_and_what_says_nothing_is_unsure() {
+        let mut theirs = foreign();
+        for row in &mut theirs.variables {
+            row.description = match row.name.as_str() {
+                "heading" => "compass heading, clockwise from north".to_owned(),
+                "yawRate" => "positive counter-clockwise".to_owned(),
+                _ => String::new(),
+            };
+        }
+        let text = propose(&theirs, "theirs.fmu");
+        let line = |start: &str| text.lines().find(|line| line.starts_with(start)).unwrap();
+        let psi = line("psi = ");
+        assert!(
+            psi.contains("scale = -1.0, offset = 1.570796") && !psi.contains("unsure"),
+            "{psi}"
+        );
+        assert!(!line("omega_z = ").contains("unsure"), "{text}");
+        assert!(line("v_y = ").contains("unsure: its sense is not stated"), "{text}");
+        let delta = line("delta = ");
+        assert!(delta.contains("scale = -1.0") && !delta.contains("sense"), "{delta}");
     }
 
     #[test]

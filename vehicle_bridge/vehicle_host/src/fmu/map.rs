@@ -29,7 +29,8 @@ pub struct Map {
     pub step_s: Option<f64>,
     /// Our commands a and delta.
     pub input: BTreeMap<String, Entry>,
-    /// What the sensors measure: v_x, v_y, omega_z and the pose.
+    /// What the sensors measure: v_x and v_y, or speed (over ground) and side_slip (positive to the
+    /// left), omega_z and the pose.
     pub state: BTreeMap<String, Entry>,
     /// The true state, if the FMU tells it; else what is measured.
     #[serde(default)]
@@ -78,6 +79,25 @@ const TRACK_POSE: [(&str, Dimension); 3] =
     [("e_psi", Dimension::Angle), ("s", Dimension::Length), ("e_y", Dimension::Length)];
 const GLOBAL_POSE: [(&str, Dimension); 3] =
     [("x", Dimension::Length), ("y", Dimension::Length), ("psi", Dimension::Angle)];
+
+/// In place of v_x and v_y: speed over ground and side slip, beta = atan2(v_y, v_x).
+const POLAR: [(&str, Dimension); 2] =
+    [("speed", Dimension::Speed), ("side_slip", Dimension::Angle)];
+
+/// The six quantities of a table of states, in our order, and whether the first two are speed over
+/// ground and side slip.
+#[must_use]
+pub fn quantities_of(
+    frame: Frame,
+    table: &BTreeMap<String, Entry>,
+) -> ([(&'static str, Dimension); 6], bool) {
+    let mut all = state_quantities(frame);
+    let polar = POLAR.iter().any(|(name, _)| table.contains_key(*name));
+    if polar {
+        all[..2].copy_from_slice(&POLAR);
+    }
+    (all, polar)
+}
 
 /// The six quantities of a state in this frame, in our order.
 #[must_use]
@@ -166,13 +186,14 @@ impl Map {
     #[must_use]
     pub fn problems(&self) -> Vec<(String, String)> {
         let mut found = Vec::new();
-        let state = state_quantities(self.frame);
+        let [state, truth, initial] = [&self.state, &self.truth, &self.initial]
+            .map(|table| quantities_of(self.frame, table).0);
         for (section, table, known, whole) in [
             ("input", &self.input, &INPUT[..], true),
             ("state", &self.state, &state[..], true),
-            ("truth", &self.truth, &state[..], !self.truth.is_empty()),
+            ("truth", &self.truth, &truth[..], !self.truth.is_empty()),
             ("applied", &self.applied, &INPUT[..], !self.applied.is_empty()),
-            ("initial", &self.initial, &state[..], false),
+            ("initial", &self.initial, &initial[..], false),
         ] {
             let names = known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
             for (key, entry) in table {
@@ -200,7 +221,7 @@ impl Map {
     /// Every named variable with its key and what it must measure; parameters measure nothing.
     pub fn entries(&self) -> impl Iterator<Item = (String, &Entry, Dimension)> {
         let known = |section: &str, key: &str| {
-            let all = input_quantities().into_iter().chain(state_quantities(self.frame));
+            let all = INPUT.into_iter().chain(POLAR).chain(state_quantities(self.frame));
             let found = all.into_iter().find(|(name, _)| *name == key)?;
             Some((format!("{section}.{key}"), found.1))
         };
@@ -247,6 +268,19 @@ psi = { variable = "heading", unit = "deg", offset = 0.5 }
         let (factor, _) = map.state["v_y"].factor("km/h", Dimension::Speed).unwrap();
         assert!((factor * 36.0 - 10.0).abs() < 1e-12, "the FMU's own unit else");
         assert_eq!(map.entries().count(), 8);
+    }
+
+    #[test]
+    fn speed_over_ground_and_side_slip_stand_in_for_two_velocities() {
+        let polar =
+            GOOD.replace("v_x = ", "speed = ").replace("v_y = \"vy\"", "side_slip = \"beta\"");
+        let map = Map::from_toml(&polar).unwrap();
+        let (names, is_polar) = quantities_of(map.frame, &map.state);
+        assert!(is_polar && map.entries().count() == 8);
+        assert_eq!([names[0].0, names[1].0, names[2].0], ["speed", "side_slip", "omega_z"]);
+        let half = GOOD.replace("v_x = ", "speed = ");
+        let text = Map::from_toml(&half).unwrap_err().to_string();
+        assert!(text.contains("`side_slip` is missing") && text.contains("found `v_y`"), "{text}");
     }
 
     #[test]

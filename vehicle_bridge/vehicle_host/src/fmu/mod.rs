@@ -1,13 +1,17 @@
 //! Any vendor's vehicle-model FMU as the car: FMI 2.0 and 3.0 co-simulation, by a table that says
 //! which of its variables is which of our quantities.
 
+mod correct;
 mod error;
 mod guess;
 mod heard;
 pub mod map;
 mod preload;
 mod reduced;
+mod sense;
+mod signals;
 mod slave;
+pub mod trial;
 pub mod units;
 
 use std::path::{Path, PathBuf};
@@ -17,9 +21,10 @@ use vehicle_model::track::wrap_angle;
 use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
 use super::{Vehicle, VehicleError};
+pub use correct::correct;
 pub use error::FmuError;
 pub use guess::{is_ours, map_of_ours, propose};
-use map::{Entry, Frame, Map, input_quantities, state_quantities};
+use map::{Entry, Frame, Map, input_quantities, quantities_of};
 use slave::row;
 pub use slave::{CoSimInstance, Value, Variable};
 use units::Dimension;
@@ -56,6 +61,8 @@ struct Group {
     variables: Vec<Variable>,
     conversions: Vec<(f64, f64)>,
     values: Vec<f64>,
+    /// The first two are speed over ground and side slip.
+    polar: bool,
 }
 
 impl Group {
@@ -83,6 +90,9 @@ impl Group {
         slave.numbers(&self.variables, &mut self.values)?;
         for (value, (factor, offset)) in self.values.iter_mut().zip(&self.conversions) {
             *value = factor * *value + offset;
+        }
+        if let (true, [speed, slip, ..]) = (self.polar, &mut self.values[..]) {
+            (*speed, *slip) = (*speed * slip.cos(), *speed * slip.sin());
         }
         Ok(())
     }
@@ -133,16 +143,24 @@ impl FmuVehicle {
                 ))
             })?,
         };
-        let state = state_quantities(map.frame);
         let input = Group::new(&slave, &map.input, &input_quantities())?;
-        let measurement = Group::new(&slave, &map.state, &state)?;
-        let truth = Group::new(&slave, &map.truth, &state)?;
+        let states = |table| -> Result<Group, FmuError> {
+            let (quantities, polar) = quantities_of(map.frame, table);
+            Ok(Group { polar, ..Group::new(&slave, table, &quantities)? })
+        };
+        let (measurement, truth) = (states(&map.state)?, states(&map.truth)?);
         let actuators = Group::new(&slave, &map.applied, &input_quantities())?;
         for (name, value) in &map.parameters {
             let variable = slave.variable(name)?;
             slave.set(&variable, &options.parameter(name, value)?)?;
         }
-        let quantities = state.into_iter().zip(in_frame(map.frame, &options.track, &options.start));
+        let (state, polar) = quantities_of(map.frame, &map.initial);
+        let mut start = in_frame(map.frame, &options.track, &options.start);
+        if polar {
+            let [v_x, v_y, ..] = start;
+            (start[0], start[1]) = (v_x.hypot(v_y), v_y.atan2(v_x));
+        }
+        let quantities = state.into_iter().zip(start);
         let (names, values): (Vec<_>, Vec<f64>) =
             quantities.filter(|((name, _), _)| map.initial.contains_key(*name)).unzip();
         Group::new(&slave, &map.initial, &names)?.write(&mut slave, &values)?;
@@ -207,6 +225,22 @@ impl FmuVehicle {
         let (moved, half) = (self.true_state.s - before, 0.5 * self.track.length());
         self.lap += i64::from(moved < -half) - i64::from(moved > half);
         Ok(())
+    }
+}
+
+impl trial::TrialCar for FmuVehicle {
+    type Error = VehicleError;
+
+    fn drive(&mut self, u: Input, dt: f64) -> Result<[f64; 6], VehicleError> {
+        self.apply(u, dt)?;
+        let g = match (self.frame, &self.measurement.values[..]) {
+            // As it comes: a wrong pose may have no place on the track.
+            (Frame::Global, &[v_x, v_y, omega_z, x, y, psi]) => {
+                return Ok([v_x, v_y, omega_z, x, y, psi]);
+            }
+            _ => self.track.to_global(&self.measured),
+        };
+        Ok([g.v_x, g.v_y, g.omega_z, g.x, g.y, g.psi])
     }
 }
 

@@ -5,7 +5,7 @@ use super::order::{Denied, MAX_CAP, Order, OrderKind};
 use super::rules::Rules;
 use super::step::Safety;
 use super::stop_reason::StopReason;
-use super::types::Phase;
+use super::types::BridgeState;
 
 impl Safety {
     /// Whether the car stands, by a fresh state.
@@ -27,15 +27,20 @@ impl Safety {
     }
 
     /// Obeys an order of the operator.
-    pub(super) fn obey(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
-        let name = self.phase.name();
-        let latched = matches!(self.phase, Phase::Estop | Phase::Fault);
+    pub(super) fn on_order(
+        &mut self,
+        rules: &Rules,
+        order: &Order,
+        now_ns: i64,
+    ) -> Result<(), Denied> {
+        let name = self.bridge_state.name();
+        let latched = matches!(self.bridge_state, BridgeState::Estop | BridgeState::Fault);
         match order.kind {
-            OrderKind::Estop => self.leave(Phase::Estop, StopReason::Operator),
+            OrderKind::Estop => self.leave(BridgeState::Estop, StopReason::Operator),
             OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
             OrderKind::Reset => {
                 self.standstill(rules, now_ns)?;
-                (self.phase, self.blind, self.steering) = (Phase::Idle, false, None);
+                (self.bridge_state, self.blind, self.steering) = (BridgeState::Idle, false, None);
             }
             OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
             OrderKind::SpeedCap(cap) if (0.0..=MAX_CAP).contains(&cap) => {
@@ -43,9 +48,9 @@ impl Safety {
             }
             OrderKind::SpeedCap(found) => return Err(Denied::Cap { found }),
             _ if latched => return Err(Denied::Latched(name)),
-            OrderKind::Stop | OrderKind::Disarm => match self.phase {
-                Phase::Running => self.leave(Phase::SafeStop, StopReason::Operator),
-                Phase::Armed => self.leave(Phase::Idle, StopReason::Operator),
+            OrderKind::Stop | OrderKind::Disarm => match self.bridge_state {
+                BridgeState::Running => self.leave(BridgeState::SafeStop, StopReason::Operator),
+                BridgeState::Armed => self.leave(BridgeState::Idle, StopReason::Operator),
                 _ => {}
             },
             OrderKind::Arm { moving, controller } => {
@@ -63,12 +68,12 @@ impl Safety {
         order: &Order,
         now_ns: i64,
     ) -> Result<(), Denied> {
-        match self.phase {
-            Phase::Boot => return Err(Denied::NoState),
-            Phase::Idle => {}
+        match self.bridge_state {
+            BridgeState::Boot => return Err(Denied::NoState),
+            BridgeState::Idle => {}
             // Said again: the grant stands.
-            Phase::Armed => return Ok(()),
-            phase => return Err(Denied::Phase(phase.name())),
+            BridgeState::Armed => return Ok(()),
+            bridge_state => return Err(Denied::BridgeState(bridge_state.name())),
         }
         match self.standstill(rules, now_ns) {
             Err(Denied::Moves { .. }) if moving => {}
@@ -84,24 +89,24 @@ impl Safety {
         }
         let since_ns = now_ns.saturating_sub(rules.pulse_ns);
         let boot_id = self.controllers.choose(controller, since_ns, &rules.setup)?;
-        self.phase = Phase::Armed;
+        self.bridge_state = BridgeState::Armed;
         self.token = order.fresh.max(1);
         (self.armed, self.seq, self.stop_reason) = (Some(boot_id), None, StopReason::None);
         Ok(())
     }
 
     fn start(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
-        if !matches!(self.phase, Phase::Armed | Phase::Running) {
-            return Err(Denied::NotArmed(self.phase.name()));
+        if !matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running) {
+            return Err(Denied::NotArmed(self.bridge_state.name()));
         }
         if order.token != self.token || self.token == 0 {
             return Err(Denied::Token { found: order.token });
         }
-        if self.phase == Phase::Running {
+        if self.bridge_state == BridgeState::Running {
             match (self.deadman_ns, order.deadman) {
                 // In force from the first START that holds it, also of a car that drives already.
                 (_, true) => self.deadman_ns = Some(now_ns),
-                (Some(_), false) => self.leave(Phase::SafeStop, StopReason::Deadman),
+                (Some(_), false) => self.leave(BridgeState::SafeStop, StopReason::Deadman),
                 (None, false) => {}
             }
             return Ok(());
@@ -110,7 +115,7 @@ impl Safety {
             return Err(Denied::Place(suspicion));
         }
         (self.doubt, self.blind, self.steering) = (Doubt::default(), false, None);
-        (self.phase, self.started_ns, self.command) = (Phase::Running, now_ns, None);
+        (self.bridge_state, self.started_ns, self.command) = (BridgeState::Running, now_ns, None);
         self.deadman_ns = order.deadman.then_some(now_ns);
         Ok(())
     }
