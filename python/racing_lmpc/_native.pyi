@@ -512,8 +512,12 @@ class Controller:
         """Fitted factors on front and rear grip [-]."""
 
     @property
-    def delay(self) -> int:
-        """Delay between command and effect in use [periods]."""
+    def delay(self) -> float:
+        """Time from a command to the beginning of its effect, in force [s]."""
+
+    @property
+    def lag(self) -> float:
+        """Time constant of the actuators in force [s]."""
 
     @property
     def laps(self) -> list[dict[str, Any]]:
@@ -713,8 +717,12 @@ class Race:
         """Fitted factors on front and rear grip [-]."""
 
     @property
-    def delay(self) -> int:
-        """Delay between command and effect that was found [periods]."""
+    def delay(self) -> float:
+        """Time from a command to the beginning of its effect, given or found [s]."""
+
+    @property
+    def lag(self) -> float:
+        """Time constant of the actuators, given or found [s]."""
 
     @property
     def track(self) -> Track:

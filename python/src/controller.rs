@@ -163,10 +163,16 @@ impl Controller {
         (front, rear)
     }
 
-    /// Delay between command and effect in use [periods].
+    /// Time from a command to the beginning of its effect, in force [s].
     #[getter]
-    fn delay(&self) -> usize {
-        self.inner.delay()
+    fn delay(&self) -> f64 {
+        self.inner.response().delay
+    }
+
+    /// Time constant of the actuators in force [s].
+    #[getter]
+    fn lag(&self) -> f64 {
+        self.inner.response().lag
     }
 
     /// Closed laps, oldest first: ``lap``, ``kind``, ``lap_time`` [s], ``valid``, and the

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use controller::Learned;
+use controller::{Learned, Response};
 use hosting::settings::Usage;
 use hosting::timing::StepTime;
 use hosting::{learned, timing};
@@ -35,7 +35,7 @@ pub(crate) struct Race {
     incidents: Vec<Failure>,
     learned: Learned,
     grip: [f64; 2],
-    delay: usize,
+    response: Response,
     /// The track.
     #[pyo3(get)]
     track: Py<Track>,
@@ -170,7 +170,7 @@ fn drive(
     Ok(Race {
         learned: controller.learned_data(),
         grip: controller.grip(),
-        delay: controller.delay(),
+        response: controller.response(),
         laps: race.laps,
         steps: race.steps,
         times: race.times,
@@ -283,10 +283,16 @@ impl Race {
         (self.grip[0], self.grip[1])
     }
 
-    /// Delay between command and effect that was found [periods].
+    /// Time from a command to the beginning of its effect, given or found [s].
     #[getter]
-    fn delay(&self) -> usize {
-        self.delay
+    fn delay(&self) -> f64 {
+        self.response.delay
+    }
+
+    /// Time constant of the actuators, given or found [s].
+    #[getter]
+    fn lag(&self) -> f64 {
+        self.response.lag
     }
 
     /// Writes ``laps.csv``, ``trajectory.csv`` and ``timings.csv`` as ``lmpc race`` does.
