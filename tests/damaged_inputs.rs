@@ -182,7 +182,9 @@ fn learned_data() {
     // Another version, a foreign file.
     let mut newer = saved.clone();
     newer[8] += 1;
-    says(&refused(fresh(), &newer).to_string(), &["format 3", "reads format 2"]);
+    let found = format!("format {}", newer[8]);
+    let read = format!("reads format {}", saved[8]);
+    says(&refused(fresh(), &newer).to_string(), &[&found, &read]);
     says(&refused(fresh(), b"PNG not learned data at all").to_string(), &["LMPCDATA"]);
     // Of another car, track or configuration.
     let of = |config: Config, car: CarParams, track: Track| {
