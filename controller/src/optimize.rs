@@ -298,9 +298,7 @@ impl Workspace {
     fn step_length(&self) -> f64 {
         let moved = (self.far()..self.problem.horizon()).map(|t| {
             let (row, next) = (&self.problem.rear[t], &self.solution.x[t + 1]);
-            let [v_x, v_y, omega_z] = row.velocity;
-            let slip = v_x * next[0] + v_y * next[1] + omega_z * next[2] + row.offset;
-            (slip - row.reference).abs()
+            (row.angle(next, 0.0) - row.reference).abs()
         });
         if moved.fold(0.0, f64::max) > SMALL * self.problem.rear_max { 0.5 } else { 1.0 }
     }

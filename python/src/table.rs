@@ -26,7 +26,7 @@ pub(crate) fn columns<'py, T>(
     Ok(all)
 }
 
-/// One row of a table by the names of its columns; what there is none of is `None`.
+/// One row of a table by the names of its columns; a value that is missing is `None`.
 pub(crate) fn row<'py, T>(
     py: Python<'py>,
     columns: &[Column<T>],

@@ -45,7 +45,7 @@ impl Drift {
                 _ => i.checked_add_signed(-shift).map(|i| samples[i].u),
             };
             // What cannot be known is no better than what is.
-            let Some(u) = u.or(Some(samples[i].u)) else { continue };
+            let u = u.unwrap_or(samples[i].u);
             let expected = model.next(from, &u, track.road());
             let residual =
                 [to.v_x - expected.v_x, to.v_y - expected.v_y, to.omega_z - expected.omega_z];
@@ -56,15 +56,13 @@ impl Drift {
         if self.count < MEMORY {
             return;
         }
-        let likelihood = |squares: &[f64; 3]| {
+        let likelihood = self.squares.map(|squares| {
             let logs = squares.iter().map(|square| libm::log(square.max(1e-300)));
             -0.5 * MEMORY * logs.sum::<f64>()
-        };
-        let known = likelihood(&self.squares[0]);
-        let best = (1..SHIFTS.len()).fold(0, |best, h| {
-            if likelihood(&self.squares[h]) > likelihood(&self.squares[best]) { h } else { best }
         });
-        let clear = likelihood(&self.squares[best]) - known > CLEAR;
+        let better = |best, h| if likelihood[h] > likelihood[best] { h } else { best };
+        let best = (1..SHIFTS.len()).fold(0, better);
+        let clear = likelihood[best] - likelihood[0] > CLEAR;
         self.periods = if clear { SHIFTS[best] } else { 0 };
     }
 }

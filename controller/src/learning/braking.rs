@@ -19,6 +19,16 @@ pub(crate) fn place(s: f64, ds: f64, n: usize) -> (usize, f64) {
     (i, place - i as f64)
 }
 
+/// Speed at s between the speeds of a grid with the distance `ds` \[m/s\]; infinite where it is empty.
+pub(crate) fn between(speed: &[f64], ds: f64, s: f64) -> f64 {
+    let n = speed.len();
+    if n == 0 {
+        return f64::INFINITY;
+    }
+    let (i, share) = place(s, ds, n);
+    speed[i] + share * (speed[(i + 1) % n] - speed[i])
+}
+
 /// Replaces each speed by `change` of its index, itself and the speed after it, backward, twice round
 /// the track.
 pub(crate) fn backward(speed: &mut [f64], change: impl Fn(usize, f64, f64) -> f64) {

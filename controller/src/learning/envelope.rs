@@ -16,7 +16,7 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
-use super::braking::{backward, deceleration, grid, place};
+use super::braking::{backward, between, deceleration, grid};
 use super::dataset::{Lap, Sample};
 use crate::config::EnvelopeConfig;
 
@@ -112,12 +112,7 @@ impl Envelope {
 
     /// Greatest speed at s \[m/s\]; infinite where nothing bounds it.
     pub(crate) fn at(&self, s: f64) -> f64 {
-        if self.speed.is_empty() {
-            return f64::INFINITY;
-        }
-        let n = self.speed.len();
-        let (i, share) = place(s, self.ds, n);
-        self.speed[i] + share * (self.speed[(i + 1) % n] - self.speed[i])
+        between(&self.speed, self.ds, s)
     }
 
     /// Raises the grid to what a lap supports, between each two samples.

@@ -10,7 +10,7 @@
 
 use vehicle_model::{CarParams, GRAVITY, Track};
 
-use super::braking::{backward, deceleration, grid, place};
+use super::braking::{backward, between, deceleration, grid};
 use super::dataset::Lap;
 
 /// Part of the grip that a driven lap uses at least, and at most.
@@ -84,11 +84,6 @@ impl RoadSpeed {
 
     /// Greatest speed at s \[m/s\]; infinite where nothing bounds it.
     pub(crate) fn at(&self, s: f64) -> f64 {
-        if self.speed.is_empty() {
-            return f64::INFINITY;
-        }
-        let n = self.speed.len();
-        let (i, share) = place(s, self.ds, n);
-        self.speed[i] + share * (self.speed[(i + 1) % n] - self.speed[i])
+        between(&self.speed, self.ds, s)
     }
 }

@@ -15,7 +15,7 @@ pub enum Value {
     Maybe(f64),
     /// A count.
     Count(u64),
-    /// A count that there may be none of.
+    /// A count that may be missing.
     MaybeCount(Option<u64>),
     /// A word.
     Word(&'static str),
@@ -24,7 +24,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The value as a number; a switch is 0 or 1, a word is no number, nor is what there is none of.
+    /// The value as a number; a switch is 0 or 1, a word and a missing value are none.
     #[must_use]
     pub fn number(self) -> Option<f64> {
         let number = match self {

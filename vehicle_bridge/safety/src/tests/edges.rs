@@ -273,7 +273,7 @@ fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
         (safety.bridge_state(), safety.stop_reason(), output.answer)
     };
     let still = Event::State(State::default(), 2);
-    assert_eq!(tell(start(false), 1010).0, BridgeState::Running, "said again");
+    assert_eq!(tell(start(false), 1010).0, BridgeState::Running, "repeated");
     assert_eq!(tell(start(true), 1020), (BridgeState::Running, StopReason::None, Answer::Accepted));
     tell(still, 1100);
     assert_eq!(tell(still, 1120).0, BridgeState::Running);

@@ -166,7 +166,7 @@ impl Measure {
         }
     }
 
-    /// The number of a race as text; empty where there is none.
+    /// The number of a race as text; empty where it is missing.
     #[must_use]
     pub fn of_race(&self, race: &Race) -> String {
         let values = self.values(race);

@@ -200,7 +200,7 @@ pub fn propose(inspection: &Inspection, file: &str) -> String {
     );
     let mut state = state_quantities(frame);
     let state_is = |name: &str, dimension| guess(rows, (name, dimension), output, false);
-    // Speed and side slip stand in for a lateral velocity that there is none of.
+    // Speed and side slip stand in for a lateral velocity where the FMU gives none.
     let slip = state_is("side_slip", Dimension::Angle)
         .filter(|_| state_is("v_y", Dimension::Speed).is_none());
     if slip.is_some() && state_is("speed", Dimension::Speed).is_some() {
