@@ -17,7 +17,10 @@ const PEAK_SHARE: f64 = 0.85;
 const GREATEST_SLIP: f64 = 0.8;
 /// Reserve beside the body as a share of its width.
 const RESERVE_WIDTH: f64 = 0.05;
-/// Reserve beside the body as an error of heading until a correction acts \[rad\].
+/// Reserve beside the body as an error of the way the car goes until a correction acts, as a share of the
+/// slip guards: tyres that slip farther before they lose grip let the car go farther astray.
+const RESERVE_SLIP: f64 = 0.15;
+/// Least such error \[rad\].
 const RESERVE_HEADING: f64 = 0.03;
 /// Ridge weight where lag blurs the inputs: what few samples say of slopes is then noise.
 const LAGGING_RIDGE: f64 = 30.0;
@@ -140,7 +143,9 @@ impl Config {
 /// What is kept free beside the body \[m\]: a share of its width, and what an error of heading leads
 /// astray at top speed until most of a correction acts, one sampling period and twice the lag.
 fn reserve(car: &CarParams, lap: &PointMass, dt: f64) -> f64 {
-    RESERVE_WIDTH * car.width + RESERVE_HEADING * lap.top * (dt + 2.0 * car.actuator_lag)
+    let guard = slip_guard(&car.tyre_front).max(slip_guard(&car.tyre_rear));
+    let error = (RESERVE_SLIP * guard).max(RESERVE_HEADING);
+    RESERVE_WIDTH * car.width + error * lap.top * (dt + 2.0 * car.actuator_lag)
 }
 
 /// A share of the peak slip.

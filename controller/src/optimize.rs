@@ -20,6 +20,9 @@ const CAP_BRAKE: f64 = 0.5;
 /// Share of the brakes with which a plan slows down where the road is slippery.
 const ROAD_BRAKE: f64 = 0.5;
 
+/// Share of the greatest acceleration with which a car regains speed that it lost.
+const REGAINED: f64 = 0.5;
+
 /// Standard deviations of the estimated place of the body that the lane is narrower on each side.
 const UNSURE: f64 = 2.0;
 /// Most that it is narrower, as a share of the track's width.
@@ -71,7 +74,7 @@ impl Workspace {
         track: &Track,
         model: &Discretized,
     ) -> Self {
-        let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
+        let (n, hull) = (config.horizon.steps, config.safe_set.points());
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
         problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
@@ -152,6 +155,11 @@ impl Workspace {
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);
+        let slower = setup.config.safe_set.slower;
+        if slower > 0.0 {
+            let steps = setup.config.horizon.period * REGAINED * setup.car.a_max;
+            self.safe_set.add_slower(size.0, slower, steps.recip(), setup.car.l_r);
+        }
         let road = &memory.derived.road_speed;
         if self.speed_cap.is_finite() || road.bounds() {
             let slowest = match self.speed_cap.is_finite() {
@@ -190,12 +198,12 @@ impl Workspace {
             }
             let (left, right) = (setup.track.width_left(next.s), setup.track.width_right(next.s));
             let margin = setup.config.limits.lane_margin + unsure.min(NARROWED * (left + right));
-            let [more_left, more_right] = match &self.outline {
-                Some(outline) => across(outline, next, setup.track.kappa(next.s)),
-                None => [0.0; 2],
+            let [left, right] = match &self.outline {
+                Some(outline) => room(outline, &setup.track, next),
+                None => [left, right],
             };
-            self.problem.e_y_max[t] = left - margin - more_left;
-            self.problem.e_y_min[t] = margin + more_right - right;
+            self.problem.e_y_max[t] = left - margin;
+            self.problem.e_y_min[t] = margin - right;
         }
         self.bound_speed(setup, memory);
         let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
@@ -339,11 +347,12 @@ fn unsure(setup: &Setup, memory: &Memory) -> f64 {
     UNSURE * (p[(5, 5)] + reach * reach * p[(3, 3)]).max(0.0).sqrt()
 }
 
-/// How much farther than half its width the body reaches to the left and to the right [m].
-fn across(outline: &Outline, x: &State, kappa: f64) -> [f64; 2] {
-    let extent = outline.extent(kappa, x.e_psi.clamp(-ACROSS, ACROSS), x.e_y);
-    let reach = [extent.left.e_y - x.e_y, x.e_y - extent.right.e_y];
-    reach.map(|reach| reach - outline.half_width)
+/// Room on either side of the centre line for the centre of gravity of a car that stands along it, which
+/// leaves the body as far from the edges as that of `x` is \[m\].
+fn room(outline: &Outline, track: &Track, x: &State) -> [f64; 2] {
+    let e_psi = x.e_psi.clamp(-ACROSS, ACROSS);
+    let [left, right] = outline.overhangs(track, &State { e_psi, ..*x });
+    [x.e_y - left, -x.e_y - right].map(|room| room + outline.half_width)
 }
 
 /// The planned input before stage `t`.

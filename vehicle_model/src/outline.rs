@@ -100,17 +100,26 @@ impl Outline {
     /// point of each side nearest to the centre of curvature.
     #[must_use]
     pub fn overhang(&self, track: &Track, x: &State) -> f64 {
+        let [left, right] = self.overhangs(track, x);
+        left.max(right)
+    }
+
+    /// [`Outline::overhang`] beyond the left edge and beyond the right edge \[m\].
+    #[must_use]
+    pub fn overhangs(&self, track: &Track, x: &State) -> [f64; 2] {
         let centre = track.to_global(x);
         let (sin, cos) = libm::sincos(centre.psi);
         let beyond = |(forward, left): (f64, f64)| {
             let (x_p, y_p) =
                 (centre.x + forward * cos - left * sin, centre.y + forward * sin + left * cos);
             let foot = track.project(x_p, y_p, Some(x.s));
-            (foot.e_y - track.width_left(foot.s)).max(-foot.e_y - track.width_right(foot.s))
+            [foot.e_y - track.width_left(foot.s), -foot.e_y - track.width_right(foot.s)]
         };
         let nearest = self.nearest_points(track.kappa(x.s), x.e_psi, x.e_y);
         let points = self.corners().into_iter().chain(nearest.into_iter().flatten());
-        points.map(beyond).fold(f64::NEG_INFINITY, f64::max)
+        points.map(beyond).fold([f64::NEG_INFINITY; 2], |[left, right], [more_left, more_right]| {
+            [left.max(more_left), right.max(more_right)]
+        })
     }
 
     /// The points of the four sides nearest to the centre of curvature; none where that is a
