@@ -18,6 +18,7 @@ test:
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
+	tests/interop/view.sh
 	python/test.sh
 	$(MAKE) fmu-test
 
