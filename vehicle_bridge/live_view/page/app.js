@@ -20,7 +20,7 @@ function looks() {
     name: `${document.documentElement.dataset.theme} ${color('paper')}`, shown, font: '11px system-ui, sans-serif',
     ink: color('ink'), soft: color('soft'), paper: color('paper'), halo: color('card'), grid: color('grid'), edge: color('edge'), road: color('road'),
     limit: color('limit'), alert: color('alert'), plan: color('plan'), set: color('set'), car: color('car'), bar: color('bar'),
-    current: { color: color('current'), width: 3 }, second: { color: color('second'), width: 2.2, dash: [7, 4] },
+    current: { color: color('current'), width: 3 }, second: { color: color('second'), width: 1.6 },
     last: { color: color('last'), width: 1.5 }, best: { color: color('best'), width: 2.2, dash: [9, 5] }, optimum: { color: color('optimum'), width: 2, dash: [1.5, 4.5] },
   };
 }

@@ -8,7 +8,7 @@ const signed = (value, digits = 2) => (Number.isFinite(value) ? (value < 0 ? '�
 
 // Each chart: its name, unit, the series of a lap, limits, the least range, and how a value is written.
 const CHARTS = [
-  { id: 'speed', title: 'Speed', unit: 'm/s', tall: true, value: (p) => p[V], optimum: (p) => p[4], least: [0, 1],
+  { id: 'speed', title: 'Speed', unit: 'm/s', tall: true, fit: true, value: (p) => p[V], optimum: (p) => p[4], least: [0, 1],
     limits: (car) => [car.v_max], plan: (plan) => plan.x.map((p) => [p[2], p[3]]), show: (v) => number(v) },
   { id: 'gain', title: 'Time to best lap', unit: 's', value: (p) => behind(p, state.laps.best?.samples ?? []), laps: ['current', 'last'],
     least: [-0.1, 0.1], zero: true, words: ['slower', 'faster'], show: (v) => signed(v, 3) },
@@ -17,7 +17,7 @@ const CHARTS = [
   { id: 'delta', title: 'Steering', unit: 'rad', value: (p) => p[DELTA], limits: (car) => [-car.delta_max, car.delta_max], zero: true, marks: 3,
     least: [-0.1, 0.1], words: ['left', 'right'], plan: (plan) => plan.u.map((u, i) => [plan.x[i]?.[2], u[1]]), show: (v) => signed(v, 3) },
   { id: 'tyres', title: 'Tyre use', unit: '%', value: (p) => percent(p[USE_F]), second: (p) => percent(p[USE_R]), names: ['front', 'rear'],
-    laps: ['current'], limits: () => [100], least: [0, 105], show: (v) => number(v, 0) },
+    laps: ['current'], limits: () => [100], range: [0, 112, 50], show: (v) => number(v, 0) },
   { id: 'support', title: 'Data support', unit: 'kernel weights', value: (p) => p[SUPPORT], laps: ['current', 'last'], least: [0, 1], show: (v) => number(v, 1) },
 ];
 const percent = (share) => (share === null ? NaN : 100 * share);
@@ -32,6 +32,12 @@ class Chart {
     const unit = document.createElement('small');
     unit.textContent = about.unit;
     this.box.querySelector('h3').append(' ', unit);
+    about.names?.forEach((name, i) => {
+      const key = document.createElement('small');
+      key.className = ['k-front', 'k-rear'][i];
+      key.textContent = `${['━', '─'][i]} ${name}`;
+      this.box.querySelector('h3').append(' ', key);
+    });
     this.values = this.box.querySelector('.values');
     this.area = this.box.querySelector('.canvas');
     [this.base, this.top] = this.area.querySelectorAll('canvas');
@@ -72,13 +78,15 @@ class Chart {
 
   // Lowest and highest value, in round numbers; it grows at once and shrinks with a new lap.
   reach(look) {
-    let [low, high] = this.about.least;
+    if (this.about.range) return this.about.range;
+    let [low, high] = this.about.fit ? [Infinity, -Infinity] : this.about.least;
     const take = (value) => { if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); } };
     for (const [samples, , value] of this.others(look)) for (const sample of samples) take(value(sample));
     for (const sample of state.lap.samples) { take(this.about.value(sample)); if (this.about.second) take(this.about.second(sample)); }
+    if (this.about.fit) { if (!(high > low)) [low, high] = this.about.least; else low -= 0.04 * (high - low); }
     for (const limit of this.limits()) if (limit <= 1.6 * high && limit >= 1.6 * low) take(limit);
     const step = round((high - low) / 3);
-    return [low < 0 ? Math.floor(low / step - GAP) * step : 0, Math.ceil(high / step + GAP) * step, step];
+    return [low < 0 || this.about.fit ? Math.max(Math.floor(low / step - GAP), low < 0 ? -Infinity : 0) * step : 0, Math.ceil(high / step + GAP) * step, step];
   }
 
   limits() { return state.world ? (this.about.limits?.(state.world.car) ?? []).filter((value) => value !== null) : []; }
@@ -96,7 +104,7 @@ class Chart {
     const [low, high, step] = this.range;
     Object.assign(g, { strokeStyle: look.grid, lineWidth: 1, fillStyle: look.soft, font: look.font, textBaseline: 'middle', textAlign: 'right' });
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    for (let y = low; y < high + 0.5 * step; y += step) {
+    for (let y = low; y <= high + 1e-6 * step; y += step) {
       const py = Math.round(this.py(y)) + 0.5;
       g.beginPath(); g.moveTo(LEFT, py); g.lineTo(this.width - RIGHT, py); g.stroke();
       g.fillText((Math.abs(y) < 1e-9 ? 0 : y).toFixed(digits).replace('-', '−'), LEFT - 6, py);
@@ -147,8 +155,8 @@ class Chart {
     const samples = state.lap.samples, { about } = this;
     if (samples.length <= this.done || !look.shown.current) return;
     const { g } = this.size(this.base), added = samples.slice(Math.max(0, this.done - 1));
-    if (about.second) this.line(g, added.map((p) => [p[S], about.second(p)]), look.second);
     this.line(g, added.map((p) => [p[S], about.value(p)]), look.current);
+    if (about.second) this.line(g, added.map((p) => [p[S], about.second(p)]), look.second);
     if (about.marks) {
       g.fillStyle = look.alert;
       for (const p of added) if (p[LIMITED] & about.marks) g.fillRect(this.px(p[S]) - 1, this.height - BOTTOM - 5, 2.5, 5);

@@ -131,7 +131,7 @@ function plan(g, look) {
     Object.assign(g, { strokeStyle: look.set, lineWidth: 1.4 });
     g.stroke();
   }
-  line(g, plan.x, { color: look.halo, width: 6 }, 0, 1);
+  line(g, plan.x, { color: look.road, width: 6 }, 0, 1);
   line(g, plan.x, { color: look.plan, width: 3 }, 0, 1);
   for (const [x, y] of plan.x) {
     g.beginPath(); g.arc(...view.to(x, y), 3.2, 0, 7);
@@ -147,6 +147,7 @@ function body(g, car, shape, look) {
   g.translate(px, py);
   g.rotate(-(car.yaw + view.turn));
   const [front, rear, half] = [shape.front * k, shape.rear * k, shape.half_width * k];
+  if (front > 24) wheels(g, front, rear, half, look);
   g.beginPath();
   g.roundRect(-rear, -half, front + rear, 2 * half, 0.35 * half);
   Object.assign(g, { strokeStyle: look.halo, lineWidth: 5, fillStyle: look.car });
@@ -157,6 +158,19 @@ function body(g, car, shape, look) {
   g.moveTo(front * 0.85, 0); g.lineTo(front * 0.2, -half * 0.75); g.lineTo(front * 0.2, half * 0.75); g.closePath();
   g.fillStyle = look.paper; g.fill();
   g.restore();
+}
+
+// Where there is room for them: the front ones turned as they are.
+function wheels(g, front, rear, half, look) {
+  const [long, wide] = [0.24 * (front + rear), 0.34 * half];
+  for (const [x, turned] of [[0.62 * front, true], [-0.62 * rear, false]]) for (const side of [-1, 1]) {
+    g.save();
+    g.translate(x, side * half);
+    if (turned) g.rotate(-(state.car?.delta ?? 0));
+    g.fillStyle = look.ink;
+    g.fillRect(-long / 2, -wide / 2, long, wide);
+    g.restore();
+  }
 }
 
 // The place that is pointed at in a curve.

@@ -25,7 +25,7 @@ function chip(name, word, title = '') {
   node.append(mark, `${name ? `${name} ` : ''}${word}`);
   return node;
 }
-const word = (program) => (program.alive ? program.state : 'silent');
+const word = (program) => (state.ended ? 'ended' : program.alive ? program.state : 'silent');
 
 export function numbers() {
   const { car, laps, world } = state, live = state.lap.samples.at(-1), best = laps.best;
@@ -38,6 +38,8 @@ export function numbers() {
   set('n-last', seconds(laps.last?.time ?? NaN));
   set('n-best', seconds(best?.time ?? NaN));
   set('n-optimum', seconds(world?.optimum?.time ?? NaN));
+  const share = best && world?.optimum ? best.time / world.optimum.time : NaN;
+  set('n-share', Number.isFinite(share) ? `best is ${share.toFixed(3)}×` : '');
 }
 
 const SOURCES = ['nobody drives', 'command', 'plan', 'safe stop'];
@@ -45,7 +47,7 @@ export function chips() {
   const nodes = [], { status, car } = state;
   if (!state.connected) nodes.push(chip('', 'silent', 'lmpc view'));
   for (const program of status?.programs ?? []) nodes.push(chip(program.name, word(program), program.detail));
-  if (car && Number.isInteger(car.source)) {
+  if (car && !state.ended && Number.isInteger(car.source)) {
     const node = chip('', SOURCES[car.source] ?? 'unknown');
     node.className = `chip ${['idle', 'good', 'warn', 'bad'][car.source] ?? 'idle'}`;
     node.firstChild.textContent = ['○', '●', '▲', '■'][car.source] ?? '○';
@@ -158,5 +160,5 @@ export function steps(look) {
     if (solve > 0) { g.fillStyle = look.ink; g.fillRect(px(i) - bar / 2, py(solve / 1e3) - 1, bar, 2); }
   });
   const step = state.status?.step;
-  set('step-text', step ? `${fixed(step.total_ms, 2)} ms of ${fixed(step.deadline_ms, 0)}, solver ${fixed(step.solve_ms, 2)}, longest ${fixed(step.worst_ms, 1)}, ${step.overruns} too late, ${step.status}` : 'no step yet');
+  set('step-text', step ? `${fixed(step.total_ms, 2)} of ${fixed(step.deadline_ms, 0)} ms · solver ${fixed(step.solve_ms, 2)} · longest ${fixed(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
 }

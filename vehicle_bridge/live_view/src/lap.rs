@@ -35,6 +35,19 @@ pub(crate) struct Sample {
     pub(crate) limited: i32,
 }
 
+impl Sample {
+    /// The car between here and another place: there by `share`. What is no motion stays.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            x: mix(self.x, other.x),
+            y: mix(self.y, other.y),
+            v_x: mix(self.v_x, other.v_x),
+            ..*self
+        }
+    }
+}
+
 impl Serialize for Sample {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let numbers = [
@@ -81,6 +94,14 @@ pub(crate) struct Trace {
 impl Trace {
     pub(crate) fn new(lap: i32, whole: bool) -> Self {
         Self { lap, time: f64::NAN, whole, inside: true, samples: Vec::new() }
+    }
+
+    /// Takes the end of the lap in.
+    pub(crate) fn end(&mut self, sample: Sample) {
+        if self.samples.len() >= MOST {
+            self.samples.pop();
+        }
+        self.samples.push(sample);
     }
 
     /// Takes a place in, if the car went on far enough on a track of this length.

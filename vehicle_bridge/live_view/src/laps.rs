@@ -43,7 +43,7 @@ pub(crate) struct Row {
 struct Before {
     boot_id: i64,
     time_s: f64,
-    s: f64,
+    sample: Sample,
 }
 
 /// All laps of a drive on one track.
@@ -84,15 +84,17 @@ impl Laps {
     /// The car at a place: measured by the start `boot_id` of a program at `time_s` on its clock.
     /// `inside` if it is between the edges there.
     pub(crate) fn push(&mut self, boot_id: i64, time_s: f64, lap: i32, sample: Sample, inside: bool) {
-        let now = Before { boot_id, time_s, s: sample.s };
         match self.before {
             Some(last) if last.boot_id == boot_id && last.time_s <= time_s => {
-                let step = sample.s - last.s;
+                let step = sample.s - last.sample.s;
                 if step < -0.5 * self.length {
-                    let share = (self.length - last.s) / (self.length + step).max(1e-9);
-                    let crossed = last.time_s + share.clamp(0.0, 1.0) * (time_s - last.time_s);
-                    self.close(crossed);
+                    let share = (self.length - last.sample.s) / (self.length + step).max(1e-9);
+                    let share = share.clamp(0.0, 1.0);
+                    let crossed = last.time_s + share * (time_s - last.time_s);
+                    let line = last.sample.towards(&sample, share);
+                    self.close(crossed, line);
                     self.begin(crossed, lap, true);
+                    self.current.push(Sample { t: 0.0, s: 0.0, ..line }, self.length);
                 } else if step > 0.5 * self.length {
                     self.begin(time_s, lap, false);
                 }
@@ -100,7 +102,7 @@ impl Laps {
             // Another start of the program, or another place of a log: an unfinished lap.
             _ => self.begin(time_s, lap, sample.s < NEAR_LINE * self.length),
         }
-        self.before = Some(now);
+        self.before = Some(Before { boot_id, time_s, sample });
         self.current.inside &= inside;
         let t = time_s - self.begun;
         self.current.push(Sample { t, ..sample }, self.length);
@@ -115,7 +117,8 @@ impl Laps {
         self.current = Trace::new(lap, whole);
     }
 
-    fn close(&mut self, time_s: f64) {
+    /// The lap ends at `time_s`, with the car as `line` says.
+    fn close(&mut self, time_s: f64, line: Sample) {
         if self.waiting {
             self.settle(None);
         }
@@ -124,6 +127,7 @@ impl Laps {
             return;
         }
         trace.time = time_s - self.begun;
+        trace.end(Sample { t: trace.time, s: self.length, ..line });
         self.last = Some(Arc::new(trace));
         self.waiting = true;
         self.version += 1;
