@@ -71,7 +71,7 @@ def follows(page, view):
     """A car at 100 Hz with its controller, and restarts of controller and server."""
     serve = start("serve", "serve", *FAST)
     car = start("car", "vehicle", "sim", *FAST)
-    until(page, "the track is drawn", "() => document.body.innerText.includes('l, 17.5 m') || document.getElementById('track').textContent.startsWith('l,')")
+    until(page, "the track is known", "() => document.getElementById('track').textContent.startsWith('l,')")
     until(page, "a lap is in the table", "() => document.querySelectorAll('#laps tbody tr').length >= 1", 40)
     until(page, "the controller runs", "() => document.getElementById('chips').innerText.includes('lmpc RUNNING')")
     time.sleep(1)

@@ -210,7 +210,7 @@ class Chart {
     const { about } = this, show = (value) => about.show(value);
     const of = (samples, value, key = S) => {
       const near = samples?.findLast?.((sample) => sample[key] <= s);
-      return near ? value(near) : NaN;
+      return near && s - near[key] < 0.03 * state.world.length ? value(near) : NaN;
     };
     let text;
     if (live) text = about.second ? `${about.names[0]} ${show(about.value(live))}  ${about.names[1]} ${show(about.second(live))}` : show(about.value(live));

@@ -3,7 +3,13 @@
 import { state, T, behind } from './state.js';
 
 const $ = (id) => document.getElementById(id);
-const set = (id, text) => { const node = $(id); if (node.textContent !== text) node.textContent = text; };
+const set = (id, text) => {
+  const node = $(id);
+  if (node.textContent === text) return;
+  node.textContent = text;
+  // A lap of minutes has more digits than a tile of a phone has room for.
+  if (node.tagName === 'B') node.classList.toggle('long', text.length > 6);
+};
 const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 const seconds = (value) => {
   if (!Number.isFinite(value)) return '–';
@@ -34,7 +40,7 @@ export function numbers() {
   set('n-time', live && state.lap.whole ? seconds(live[T]) : '–');
   const gain = live && best && state.lap.whole ? behind(live, best.samples) : NaN;
   set('n-delta', signed(gain));
-  $('n-delta').className = Number.isFinite(gain) ? (gain <= 0 ? 'ahead' : 'behind') : '';
+  for (const [name, on] of [['ahead', gain <= 0], ['behind', gain > 0]]) $('n-delta').classList.toggle(name, on);
   set('n-last', seconds(laps.last?.time ?? NaN));
   set('n-best', seconds(best?.time ?? NaN));
   set('n-optimum', seconds(world?.optimum?.time ?? NaN));

@@ -43,6 +43,8 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         }
         Ok(format!("http://{}", server.address()))
     };
+    // A network that nobody holds is left.
+    let mut _joined = None;
     if let Some(log) = &args.log {
         let (log, clock) = view_source::Log::open(log, args.speed)?;
         let view = Arc::new(View::new(log.title(), clock, resolve));
@@ -65,6 +67,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         let token = orders.as_ref().map(|orders| format!("/#operator={}", orders.token));
         let place = opened(&view, ServerOptions { orders })?;
         show(&(place + &token.unwrap_or_default()), talk)?;
+        _joined = Some(network);
     }
     // What was shown can be looked at until the end is asked for.
     while !stop.load(Ordering::Relaxed) {
