@@ -1,6 +1,6 @@
 """`lmpc view` in Chromium, driven by Playwright. Called by view.sh, inside its network namespace.
 
-    view.py LMPC FOLDER [PICTURES]
+    view.py LMPC FOLDER [PICTURES] [--minutes N]
 """
 
 import pathlib
@@ -14,7 +14,8 @@ import urllib.request
 from playwright.sync_api import sync_playwright
 
 LMPC, OUT = sys.argv[1], pathlib.Path(sys.argv[2])
-PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 and sys.argv[3] != "--minutes" else None
+MINUTES = float(sys.argv[-1]) if "--minutes" in sys.argv else 0
 PORT = 8711
 PAGE = f"http://127.0.0.1:{PORT}"
 FAST = ["--config", "config/barc_100hz.toml", "--set", "warm_up.laps=1"]
@@ -101,6 +102,32 @@ def follows(page, view):
     return view, serve, car
 
 
+def stays_small(page, view):
+    """The page's heap and the server's memory while a car drives on at 100 Hz."""
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+
+    def memory():
+        session.send("HeapProfiler.collectGarbage")
+        metrics = {m["name"]: m["value"] for m in session.send("Performance.getMetrics")["metrics"]}
+        status = pathlib.Path(f"/proc/{view.pid}/status").read_text()
+        resident = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+        fps, states = page.evaluate("() => [document.body.dataset.fps, document.body.dataset.states]")
+        found = metrics["JSHeapUsedSize"] / 1e6, int(metrics["Nodes"]), int(resident.split()[1]) / 1e3
+        print("minute %4.1f: heap %.2f MB, %d nodes; server %.1f MB" % (minute, *found), f"at {fps} frames, {states} states", flush=True)
+        return found
+
+    rows = []
+    for half in range(int(2 * MINUTES) + 1):
+        minute = half / 2
+        rows.append(memory())
+        time.sleep(30)
+    settled = rows[len(rows) // 4:]
+    for column, most in ((0, 2.0), (1, 300), (2, 5.0)):
+        values = [row[column] for row in settled]
+        assert max(values) - min(values) <= most, f"memory grows: {values}"
+
+
 def fits(page):
     for width in (1200, 390, 820):
         page.set_viewport_size({"width": width, "height": 844})
@@ -146,12 +173,11 @@ def ordered(browser):
     assert "#" not in page.url
     for name, state in (("arm", "ARMED"), ("start", "RUNNING")):
         for _ in range(20):
-            box = page.locator(f"[data-order={name}]").bounding_box()
-            page.mouse.move(box["x"] + 5, box["y"] + 5)
+            page.hover(f"[data-order={name}]")
             page.mouse.down()
             time.sleep(1)
             page.mouse.up()
-            page.wait_for_function("() => /^[✓✕]/.test(document.getElementById('answer').textContent)")
+            until(page, f"{name} is answered", "() => /^[✓✕]/.test(document.getElementById('answer').textContent)", 10)
             if page.inner_text("#answer").startswith("✓"):
                 break
         until(page, f"{name}: {page.inner_text('#answer')}", f"() => document.getElementById('chips').innerText.includes('bridge {state}')")
@@ -184,6 +210,8 @@ def main():
         until(page, "the page opens and waits", "() => document.getElementById('waiting').textContent.startsWith('Waiting for messages')")
         view, serve, car = follows(page, view)
         guarded()
+        if MINUTES:
+            stays_small(page, view)
         fits(page)
         for program in (car, serve, record, view):
             end(program)
@@ -197,7 +225,10 @@ def main():
         until(page, "with the time-optimal lap", "() => document.getElementById('n-optimum').textContent !== '–'")
         if PICTURES:
             PICTURES.mkdir(parents=True, exist_ok=True)
-            page.screenshot(path=PICTURES / "desktop.png")
+            page.screenshot(path=PICTURES / "view-desktop.png")
+            page.set_viewport_size({"width": 390, "height": 844})
+            time.sleep(1)
+            page.screenshot(path=PICTURES / "view-phone.png")
         end(view)
         page.close()
         ordered(browser)

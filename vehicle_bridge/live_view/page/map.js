@@ -22,7 +22,7 @@ function size(canvas) {
 function fit(width, height, car) {
   const world = state.world;
   if (following && car) {
-    const radius = Math.max(8 * (world.car.front + world.car.rear), 1.3 * Math.abs(state.car?.v ?? 0));
+    const radius = Math.max(7 * (world.car.front + world.car.rear), 0.8 * Math.abs(state.car?.v ?? 0));
     const scale = Math.min(width, height) / (2 * radius), turn = Math.PI / 2 - car.yaw;
     return place(scale, turn, car.x, car.y, width / 2, height * 0.66);
   }

@@ -41,8 +41,9 @@ export function operator() {
     let timer = null;
     const begin = () => { timer ??= setTimeout(() => { end(); give(order); }, HOLD); button.classList.add('held'); };
     const end = () => { clearTimeout(timer); timer = null; button.classList.remove('held'); };
-    button.addEventListener('pointerdown', begin);
-    for (const name of ['pointerup', 'pointerleave', 'pointercancel', 'blur']) button.addEventListener(name, end);
+    // Captured, so that a finger on a page that moves still holds it.
+    button.addEventListener('pointerdown', (event) => { button.setPointerCapture(event.pointerId); begin(); });
+    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture', 'blur']) button.addEventListener(name, end);
     button.addEventListener('keydown', (event) => { if (!event.repeat && (event.key === 'Enter' || event.key === ' ')) begin(); });
     button.addEventListener('keyup', end);
     button.addEventListener('contextmenu', (event) => event.preventDefault());

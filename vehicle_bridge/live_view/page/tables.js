@@ -8,7 +8,7 @@ const set = (id, text) => {
   if (node.textContent === text) return;
   node.textContent = text;
   // A lap of minutes has more digits than a tile of a phone has room for.
-  if (node.tagName === 'B') node.classList.toggle('long', text.length > 6);
+  node.closest('.numbers b')?.classList.toggle('long', text.length > 6);
 };
 const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 const seconds = (value) => {
@@ -45,7 +45,8 @@ export function numbers() {
   set('n-best', seconds(best?.time ?? NaN));
   set('n-optimum', seconds(world?.optimum?.time ?? NaN));
   const share = best && world?.optimum ? best.time / world.optimum.time : NaN;
-  set('n-share', Number.isFinite(share) ? `best is ${share.toFixed(3)}×` : '');
+  const text = Number.isFinite(share) ? `× ${share.toFixed(3)}` : '';
+  if ($('n-share').textContent !== text) $('n-share').textContent = text;
 }
 
 const SOURCES = ['nobody drives', 'command', 'plan', 'safe stop'];

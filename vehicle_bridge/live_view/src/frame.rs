@@ -104,8 +104,7 @@ fn plan(model: &Model) -> Value {
         .iter()
         .map(|p| [p.x, p.y, p.s, p.vx].map(|value| short(f64::from(value))))
         .collect();
-    let inputs: Vec<_> =
-        step.u.iter().map(|u| u.map(|value| short(f64::from(value)))).collect();
+    let inputs: Vec<_> = step.u.iter().map(|u| u.map(|value| short(f64::from(value)))).collect();
     let set: Vec<_> = model
         .watch
         .track()

@@ -83,7 +83,14 @@ impl Laps {
 
     /// The car at a place: measured by the start `boot_id` of a program at `time_s` on its clock.
     /// `inside` if it is between the edges there.
-    pub(crate) fn push(&mut self, boot_id: i64, time_s: f64, lap: i32, sample: Sample, inside: bool) {
+    pub(crate) fn push(
+        &mut self,
+        boot_id: i64,
+        time_s: f64,
+        lap: i32,
+        sample: Sample,
+        inside: bool,
+    ) {
         match self.before {
             Some(last) if last.boot_id == boot_id && last.time_s <= time_s => {
                 let step = sample.s - last.sample.s;
@@ -153,13 +160,9 @@ impl Laps {
         let v_max = last.samples.iter().map(|sample| sample.v_x).fold(f64::NAN, f64::max);
         let row = match result {
             Some(result) => row(result, v_max),
-            None => Row {
-                lap: last.lap,
-                time: last.time,
-                valid: last.inside,
-                v_max,
-                ..Row::default()
-            },
+            None => {
+                Row { lap: last.lap, time: last.time, valid: last.inside, v_max, ..Row::default() }
+            }
         };
         let timed = Arc::new(Trace { time: row.time, lap: row.lap, ..(*last).clone() });
         if row.valid && self.best.as_ref().is_none_or(|best| timed.time < best.time) {

@@ -156,12 +156,7 @@ impl Model {
     /// Shares of the largest lateral forces in use, front and rear. \[-\]
     pub(crate) fn tyres(&self, state: &VehicleState) -> (f64, f64) {
         let Some(Reference { car, .. }) = &self.reference else { return (f64::NAN, f64::NAN) };
-        let x = State {
-            v_x: state.vx,
-            v_y: state.vy,
-            omega_z: state.yaw_rate,
-            ..State::default()
-        };
+        let x = State { v_x: state.vx, v_y: state.vy, omega_z: state.yaw_rate, ..State::default() };
         let delta = match self.watch.report() {
             Some(report) => report.steer,
             None if state.valid & VehicleState::STEER != 0 => state.steer,

@@ -7,9 +7,7 @@ use lcm_types::{
 };
 
 use super::stream::Stream;
-use super::{
-    CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen,
-};
+use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen};
 use safety::BridgeState;
 
 /// A program silent for longer may be gone. \[s\]

@@ -41,8 +41,8 @@ pub use shell::{CompletionsArgs, ManArgs};
 pub use study::{CampaignArgs, MergeArgs, PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
-pub use view::ViewArgs;
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs, TryVehicleArgs};
+pub use view::ViewArgs;
 
 const EXIT_CODES: &str = "\
 Exit codes:

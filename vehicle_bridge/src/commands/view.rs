@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use controller::{Config, Preset};
+use lcm_types::channels;
 use vehicle_model::{CarParams, Track};
 
 use super::network::{connect, on_signal};
@@ -20,6 +21,22 @@ use protocol::convert;
 use racing::RaceOptions;
 use transport::{Filter, Message, Transport};
 
+/// What is shown of a network that cannot hand out every channel.
+const CHANNELS: [&str; 13] = [
+    channels::STATE,
+    channels::ACTUATION,
+    channels::COMMAND,
+    channels::COMMAND_DRY,
+    channels::TELEMETRY,
+    channels::LAP,
+    channels::SETUP,
+    channels::TRACK,
+    channels::OPERATOR,
+    channels::OPERATOR_ACK,
+    "HB/lmpc",
+    "HB/bridge",
+    "HB/car",
+];
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(50);
 
@@ -31,7 +48,8 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
                 .to_owned()
         ));
     }
-    let options = setup::race(&args.controller, args.laps, Talk { quiet: talk.quiet || !args.race })?;
+    let options =
+        setup::race(&args.controller, args.laps, Talk { quiet: talk.quiet || !args.race })?;
     let resolve = resolve(args, &options);
     let address = SocketAddr::new(args.listen, args.port);
     let stop = on_signal()?;
@@ -88,7 +106,16 @@ pub(super) fn subscribe(network: &Arc<dyn Transport>, view: &Arc<View>) -> Resul
     let take = move |message: &Message<'_>| {
         view.take(message.channel, message.payload, message.arrival.mono_ns);
     };
-    Ok(network.subscribe(Filter::All, Box::new(take))?)
+    match network.subscribe(Filter::All, Box::new(take.clone())) {
+        // Through liblcm channels are known by their subscriptions alone.
+        Err(transport::Error::Unsupported { .. }) => {
+            for channel in CHANNELS {
+                network.subscribe(Filter::channel(channel), Box::new(take.clone()))?;
+            }
+            Ok(())
+        }
+        subscribed => Ok(subscribed?),
+    }
 }
 
 /// The cars and tracks this computer knows: those of the command line, then those that ship, by the names
@@ -101,9 +128,8 @@ fn resolve(args: &ViewArgs, options: &RaceOptions) -> Resolve {
     Box::new(move |wanted: &Wanted| {
         let is_car = |car: &CarParams| wanted.car_id == convert::car_id(car);
         let is_track = |track: &Track| wanted.track_id == convert::track_id(track);
-        let given = wanted.car_id == 0
-            || named_car.as_ref().is_some_and(&is_car)
-            || is_car(&own_car);
+        let given =
+            wanted.car_id == 0 || named_car.as_ref().is_some_and(&is_car) || is_car(&own_car);
         let car = if given {
             own_car.clone()
         } else {
@@ -113,7 +139,8 @@ fn resolve(args: &ViewArgs, options: &RaceOptions) -> Resolve {
             let optimum = store.find(&car, &own_track, margin);
             return Some(Reference { car, optimum });
         }
-        let shipped = || Track::builtin(&wanted.track).filter(|track| is_track(track)).map(Arc::new);
+        let shipped =
+            || Track::builtin(&wanted.track).filter(|track| is_track(track)).map(Arc::new);
         let track = is_track(&own_track).then(|| Arc::clone(&own_track)).or_else(shipped);
         let optimum = track.and_then(|track| {
             let margin = Config::derived(Preset::Race, &car, &track).limits.lane_margin;

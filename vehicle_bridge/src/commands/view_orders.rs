@@ -13,7 +13,8 @@ use transport::Transport;
 
 /// Carries orders to a network. An emergency stop does not wait for another order's answer.
 pub(super) fn orders(network: &Arc<dyn Transport>) -> Result<Orders> {
-    let (usual, urgent) = (Mutex::new(Operator::new(network)?), Mutex::new(Operator::new(network)?));
+    let (usual, urgent) =
+        (Mutex::new(Operator::new(network)?), Mutex::new(Operator::new(network)?));
     Ok(Orders {
         token: format!("{:016x}{:016x}", random(), random()),
         give: Box::new(move |order| {

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
-use lcm_types::eventlog::{Event, Reader};
 use lcm_types::channels;
+use lcm_types::eventlog::{Event, Reader};
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::comparable;
@@ -52,7 +52,11 @@ impl Log {
 
     pub(super) fn title(&self) -> String {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        if self.speed == 1.0 { format!("log {name}") } else { format!("log {name} x {}", self.speed) }
+        if self.speed == 1.0 {
+            format!("log {name}")
+        } else {
+            format!("log {name} x {}", self.speed)
+        }
     }
 
     fn events(&self) -> Result<Reader<BufReader<File>>> {
@@ -189,12 +193,8 @@ impl Race {
             laps: Some(warm_up.saturating_add(options.laps)),
             patience: PATIENCE,
         };
-        let rule = FailureRule::new(
-            &options.config,
-            &options.track,
-            &options.plant.car,
-            options.limit,
-        );
+        let rule =
+            FailureRule::new(&options.config, &options.track, &options.plant.car, options.limit);
         let mut car = Car::new(car, vehicle, rule, &network)?;
         let over = Arc::new(AtomicBool::new(false));
         let served = Arc::clone(&over);
