@@ -1,7 +1,7 @@
 // The page: colours, buttons, and one loop that draws what has changed.
 
 import { state, onChange, listen, pose } from './state.js';
-import { draw as map, follow } from './map.js';
+import { draw as map, follow, shape } from './map.js';
 import { charts } from './charts.js';
 import * as tables from './tables.js';
 import { operator, shown as operatorShown } from './operator.js';
@@ -49,6 +49,7 @@ function banner() {
 onChange((what) => {
   dirty = true;
   if (what === 'hello') { $('source').textContent = state.hello?.source ?? ''; operatorShown(); tables.laps(); tables.chips(); }
+  if (what === 'world') shape();
   if (what === 'world') $('track').textContent = `${state.world.name}, ${state.world.length.toFixed(1)} m${state.world.car.name ? `, ${state.world.car.name}` : ''}`;
   if (what === 'laps') tables.laps();
   if (what === 'status') { tables.chips(); tables.programs(); tables.channels(); }

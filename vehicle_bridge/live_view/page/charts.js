@@ -195,7 +195,9 @@ class Chart {
       if (over !== turn) { wrapped.push([NaN, NaN]); turn = over; }
       wrapped.push([s - over * length, value]);
     }
-    this.line(g, wrapped, { color: look.halo, width: 5 });
+    g.globalAlpha = 0.6;
+    this.line(g, wrapped, { color: look.halo, width: 4 });
+    g.globalAlpha = 1;
     this.line(g, wrapped, { color: look.plan, width: 2, dash: [2, 4] });
   }
 

@@ -26,20 +26,27 @@ function fit(width, height, car) {
     const scale = Math.min(width, height) / (2 * radius), turn = Math.PI / 2 - car.yaw;
     return place(scale, turn, car.x, car.y, width / 2, height * 0.66);
   }
-  let best = null;
-  for (const turn of [0, -Math.PI / 2]) {
-    const [c, s] = [Math.cos(turn), Math.sin(turn)];
-    let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const points of [world.left, world.right]) for (const [x, y] of points) {
-      const [u, v] = [c * x - s * y, s * x + c * y];
-      x0 = Math.min(x0, u); x1 = Math.max(x1, u); y0 = Math.min(y0, v); y1 = Math.max(y1, v);
-    }
-    const scale = Math.min((width - 36) / (x1 - x0), (height - 36) / (y1 - y0));
-    if (!best || scale > 1.15 * best.scale) best = { scale, turn, u: (x0 + x1) / 2, v: (y0 + y1) / 2, c, s };
-  }
+  const { x0, x1, y0, y1, turn } = bounds(world);
+  const scale = Math.min((width - 36) / (x1 - x0), (height - 36) / (y1 - y0));
   // The middle of the box, back in the world's frame.
-  const { scale, turn, u, v, c, s } = best;
+  const [c, s, u, v] = [Math.cos(turn), Math.sin(turn), (x0 + x1) / 2, (y0 + y1) / 2];
   return place(scale, turn, c * u + s * v, -s * u + c * v, width / 2, height / 2);
+}
+
+// Where the track lies: a tall one is turned to its side.
+function bounds(world) {
+  for (const turn of [0, -Math.PI / 2]) {
+    const [c, s] = [Math.cos(turn), Math.sin(turn)], all = [...world.left, ...world.right];
+    const [us, vs] = [all.map(([x, y]) => c * x - s * y), all.map(([x, y]) => s * x + c * y)];
+    const found = { turn, x0: Math.min(...us), x1: Math.max(...us), y0: Math.min(...vs), y1: Math.max(...vs) };
+    if (turn || found.y1 - found.y0 <= 1.25 * (found.x1 - found.x0)) return found;
+  }
+}
+
+// The box takes the shape of the track, within limits.
+export function shape() {
+  const { x0, x1, y0, y1 } = bounds(state.world);
+  box.style.aspectRatio = String(Math.min(2, Math.max(1.05, (x1 - x0) / (y1 - y0))));
 }
 
 function place(scale, turn, x0, y0, px, py) {
@@ -122,6 +129,7 @@ export function draw(now, look) {
 function plan(g, look) {
   const plan = state.plan;
   if (!plan) return;
+  line(g, plan.x, { color: look.road, width: 6 }, 0, 1);
   for (const [x, y, weight] of plan.set ?? []) {
     const [px, py] = view.to(x, y), r = 3.5 + 4 * Math.sqrt(weight || 0);
     g.beginPath();
@@ -131,7 +139,6 @@ function plan(g, look) {
     Object.assign(g, { strokeStyle: look.set, lineWidth: 1.4 });
     g.stroke();
   }
-  line(g, plan.x, { color: look.road, width: 6 }, 0, 1);
   line(g, plan.x, { color: look.plan, width: 3 }, 0, 1);
   for (const [x, y] of plan.x) {
     g.beginPath(); g.arc(...view.to(x, y), 3.2, 0, 7);

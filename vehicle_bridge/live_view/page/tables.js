@@ -81,11 +81,16 @@ function table(id, heads, rows) {
   $(id).replaceChildren(head, body);
 }
 
+// Laps in the table, the newest and the best. [-]
+const ROWS = 60;
+
 export function laps() {
-  const { rows, best } = state.laps;
-  set('lap-count', rows.length ? `${rows.length} laps` : 'none finished yet');
+  const { best } = state.laps, all = state.laps.rows;
+  const isBest = (row) => best && row.lap === best.lap && row.time === best.time;
+  const rows = all.filter((row, i) => i >= all.length - ROWS || isBest(row));
+  set('lap-count', all.length > rows.length ? `best and newest of ${all.length} laps` : all.length ? `${all.length} laps` : 'none finished yet');
   const shown = rows.map((row) => {
-    const first = best && row.lap === best.lap && row.time === best.time;
+    const first = isBest(row);
     const known = (text) => (row.judged ? text : '');
     return { kind: first ? 'first' : row.valid ? '' : 'invalid', cells: [
       [`${first ? '★ ' : ''}${row.lap}`], [seconds(row.time)], [first ? 'best' : best ? signed(row.time - best.time) : ''],
