@@ -4,6 +4,7 @@
 """
 
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from playwright.sync_api import sync_playwright
 LMPC, OUT = sys.argv[1], pathlib.Path(sys.argv[2])
 PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 and sys.argv[3] != "--minutes" else None
 MINUTES = float(sys.argv[-1]) if "--minutes" in sys.argv else 0
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 PORT = 8711
 PAGE = f"http://127.0.0.1:{PORT}"
 FAST = ["--config", "config/barc_100hz.toml", "--set", "warm_up.laps=1"]
@@ -193,8 +195,9 @@ def ordered(browser):
 
 
 def main():
+    assert BROWSER, "no chromium; tools/setup.sh test installs it"
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1200, "height": 900})
         problems = []
         # While the server is away the browser itself writes that it does not reach it.

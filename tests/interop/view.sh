@@ -8,7 +8,7 @@
 # --minutes it also watches the memory of page and server for so long.
 set -eu
 cd "$(dirname "$0")/../.."
-tests/interop/needs.sh target/lcm/venv/bin/python chromium
+tests/interop/needs.sh target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     cargo build --quiet --release -p vehicle_bridge --bin lmpc
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 1200 "$0" "$@"

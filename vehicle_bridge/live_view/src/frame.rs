@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 use crate::lap::short;
 use crate::model::Model;
 
+/// Stages of a plan and points of a safe set that a page gets, at most. \[-\]
+const POINTS: usize = 400;
+
 /// What one page has already.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Cursor {
@@ -102,14 +105,16 @@ fn plan(model: &Model) -> Value {
     let states: Vec<_> = step
         .pred
         .iter()
+        .take(POINTS)
         .map(|p| [p.x, p.y, p.s, p.vx].map(|value| short(f64::from(value))))
         .collect();
-    let inputs: Vec<_> = step.u.iter().map(|u| u.map(|value| short(f64::from(value)))).collect();
+    let inputs: Vec<_> =
+        step.u.iter().take(POINTS).map(|u| u.map(|value| short(f64::from(value)))).collect();
     let set: Vec<_> = model
         .watch
         .track()
         .map(|track| {
-            let points = step.ss.iter().enumerate();
+            let points = step.ss.iter().take(POINTS).enumerate();
             points
                 .filter_map(|(i, point)| {
                     let &[v_x, _, _, _, s, e_y] = point.as_slice() else { return None };
@@ -122,7 +127,7 @@ fn plan(model: &Model) -> Value {
         .unwrap_or_default();
     json!({
         "x": states, "u": inputs, "set": set, "support_min": step.support_min,
-        "support_mean": step.support_mean, "slack": step.slack, "iters": step.iters,
+        "support_mean": step.support_mean, "iters": step.iters,
         "deadline_us": step.deadline_us,
     })
 }

@@ -147,7 +147,7 @@ impl Model {
             limited: report.map_or(0, |report| report.limited),
         };
         let Some(laps) = self.laps.as_mut() else { return };
-        if s.is_finite() && (0.0..=laps_length(track)).contains(&s) {
+        if s.is_finite() && (0.0..=track.length).contains(&s) {
             let time_s = state.meas_mono_ns as f64 * 1e-9;
             laps.push(state.h.boot_id, time_s, state.frenet.lap, sample, inside);
         }
@@ -165,8 +165,4 @@ impl Model {
         let slip = SlipAngles::new(&x, &Input { a: 0.0, delta }, car);
         (tyre_use(&car.tyre_front, slip.front), tyre_use(&car.tyre_rear, slip.rear))
     }
-}
-
-fn laps_length(track: &Track) -> f64 {
-    track.length
 }

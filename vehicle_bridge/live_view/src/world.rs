@@ -8,6 +8,8 @@ use vehicle_model::Outline;
 use crate::lap::short;
 use crate::reference::Reference;
 
+/// Points of an edge that a page gets, at most. \[-\]
+const POINTS: usize = 2000;
 /// Length of a car that is not known, in widths of the track, and its width in lengths. \[-\]
 const UNKNOWN: (f64, f64) = (0.4, 0.5);
 
@@ -21,8 +23,6 @@ pub(crate) struct World {
     left: Vec<[f64; 2]>,
     right: Vec<[f64; 2]>,
     centre: Vec<[f64; 2]>,
-    /// Curvature at those points. \[1/m\]
-    kappa: Vec<f64>,
     car: Car,
     optimum: Option<Line>,
 }
@@ -52,10 +52,11 @@ struct Line {
 impl World {
     pub(crate) fn new(track: &Track, named: &str, reference: Option<&Reference>) -> Self {
         let point = |s: f64, e_y: f64| on_track(track, s, e_y).map(|(x, y)| [short(x), short(y)]);
-        let places = || track.s.iter().map(|s| f64::from(*s));
+        let every = track.s.len().div_ceil(POINTS).max(1);
+        let places = || track.s.iter().step_by(every).map(|s| f64::from(*s));
         let edge = |widths: &[f32], side: f64| {
             let at = |(s, width): (f64, &f32)| point(s, side * f64::from(*width));
-            places().zip(widths).filter_map(at).collect()
+            places().zip(widths.iter().step_by(every)).filter_map(at).collect()
         };
         let optimum = reference.and_then(|reference| reference.optimum.as_ref());
         Self {
@@ -65,7 +66,6 @@ impl World {
             left: edge(&track.w_left, 1.0),
             right: edge(&track.w_right, -1.0),
             centre: places().filter_map(|s| point(s, 0.0)).collect(),
-            kappa: track.kappa.iter().map(|kappa| short(f64::from(*kappa))).collect(),
             car: car(track, named, reference),
             optimum: optimum.map(|known| Line {
                 time: known.lap_time_s,

@@ -168,6 +168,68 @@ fn a_page_that_comes_late_gets_the_laps_and_then_only_what_is_new() {
 }
 
 #[test]
+fn what_no_car_would_send_is_shown_as_unknown_and_stays_small() {
+    let view = view();
+    let address = serve(&view, ServerOptions::default());
+    let n = 20_000_usize;
+    let s: Vec<f32> = (0..n).map(|i| i as f32 * 1e-3).collect();
+    let zeros = vec![0.0_f32; n];
+    let long = Track {
+        n: 20_000,
+        x: s.clone(),
+        y: zeros.clone(),
+        yaw: zeros.clone(),
+        kappa: zeros,
+        w_left: vec![f32::NAN; n],
+        w_right: vec![1.0; n],
+        s,
+        ..track()
+    };
+    view.take(channels::TRACK, &sealed(&long), 0);
+    let point = lcm_types::PredPoint { x: f32::INFINITY, ..Default::default() };
+    let step = MpcTelemetry {
+        n_pred: 5000,
+        pred: vec![point; 5000],
+        n_x: 6,
+        n_ss: 5000,
+        ss: vec![vec![f32::NAN; 6]; 5000],
+        ss_cost: vec![0.0; 5000],
+        ss_lambda: vec![f32::NAN; 5000],
+        support_min: f32::NAN,
+        ..MpcTelemetry::default()
+    };
+    view.take(channels::TELEMETRY, &plain(&step), 0);
+    for (i, value) in [f64::NAN, f64::INFINITY, -1e300, 1e300].into_iter().enumerate() {
+        let frenet = Frenet { s: value, e_y: value, track_id: 3, ..Frenet::default() };
+        let odd = VehicleState {
+            x: value,
+            yaw: value,
+            vx: value,
+            frenet,
+            ..state(i64::try_from(i).unwrap())
+        };
+        view.take(channels::STATE, &sealed(&odd), 0);
+        view.take(channels::STATE, b"no message", 0);
+        let lap = LapResult { track_id: 3, lap_time: value, valid: true, ..LapResult::default() };
+        view.take(channels::LAP, &plain(&lap), 0);
+    }
+    let mut page = stream(address);
+    let world = event(&mut page, "world");
+    assert_eq!(
+        (world["centre"].as_array().unwrap().len(), &world["left"][0]),
+        (2000, &serde_json::json!([null, null]))
+    );
+    let laps = event(&mut page, "laps");
+    assert_eq!((&laps["rows"][0]["time"], &laps["best"]), (&Value::Null, &Value::Null));
+    let frame = event(&mut page, "frame");
+    assert_eq!(frame["lap"]["add"].as_array().unwrap().len(), 0, "{}", frame["lap"]);
+    assert_eq!(frame["plan"]["x"].as_array().unwrap().len(), 400);
+    assert_eq!(frame["plan"]["x"][0][0], Value::Null);
+    view.take(channels::STATE, &sealed(&state(1)), 0);
+    while event(&mut page, "frame")["car"]["x"] != state(1).x {}
+}
+
+#[test]
 fn files_are_served_and_nothing_of_other_places() {
     let address = serve(&view(), ServerOptions::default());
     let (line, page) = ask(address, "GET / HTTP/1.1", "");

@@ -7,5 +7,5 @@ mod request;
 mod server;
 mod stream;
 
-pub use orders::{Order, Orders};
+pub use orders::{Give, Order, Orders};
 pub use server::{Server, ServerOptions};

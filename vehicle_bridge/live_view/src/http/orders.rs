@@ -13,10 +13,13 @@ pub struct Order {
     pub value: f64,
 }
 
+/// Gives an order to the network and returns the answers, or why it was not followed.
+pub type Give = Box<dyn Fn(&Order) -> Result<String, String> + Send + Sync>;
+
 /// Who may order, and who carries it out.
 pub struct Orders {
     /// What a page has to know: it stands in the address that is printed at the start.
     pub token: String,
-    /// Gives an order to the network and returns the answers, or why it was not followed.
-    pub give: Box<dyn Fn(&Order) -> Result<String, String> + Send + Sync>,
+    /// How an order is given.
+    pub give: Give,
 }
