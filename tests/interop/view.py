@@ -220,7 +220,7 @@ def main():
         for program in (car, serve, record, view):
             end(program)
         page.set_viewport_size({"width": 1200, "height": 900})
-        view = start("log", "view", "--log", str(OUT / "drive.log"), "--speed", "20")
+        view = start("log", "view", "--log", str(OUT / "drive.log"), "--speed", str(20 + 60 * MINUTES), "--at", "20")
         until(page, "a log is shown to its end", "() => document.getElementById('banner').textContent === 'end of the log'", 30)
         assert page.evaluate("() => document.querySelectorAll('#laps tbody tr').length") >= 2
         end(view)

@@ -50,7 +50,7 @@ onChange((what) => {
   dirty = true;
   if (what === 'hello') { $('source').textContent = state.hello?.source ?? ''; operatorShown(); tables.laps(); tables.chips(); }
   if (what === 'world') shape();
-  if (what === 'world') $('track').textContent = `${state.world.name}, ${state.world.length.toFixed(1)} m${state.world.car.name ? `, ${state.world.car.name}` : ''}`;
+  if (what === 'world') $('track').textContent = `${state.world.name}, ${state.world.length.toFixed(1)} m${state.world.car.known ? `, ${state.world.car.name}` : ', car not known: see --car'}`;
   if (what === 'laps') tables.laps();
   if (what === 'status') { tables.chips(); tables.programs(); tables.channels(); }
   if (what !== 'frame') banner();

@@ -44,6 +44,9 @@ pub struct ViewArgs {
     /// How fast a log or a race runs; 1 is real time
     #[arg(long, default_value_t = 1.0, value_name = "X", value_parser = speed)]
     pub speed: f64,
+    /// Begin a log there; what lies before is shown at once
+    #[arg(long, default_value_t = 0.0, value_name = "S", requires = "log", value_parser = seconds)]
+    pub at: f64,
     /// Learning laps of a race
     #[arg(long, default_value_t = 20, value_name = "N", requires = "race",
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -64,6 +67,13 @@ impl ViewArgs {
     #[must_use]
     pub fn joined(&self) -> Option<&NetworkArgs> {
         (self.log.is_none() && !self.race).then_some(&self.network)
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=1e7).contains(&seconds) => Ok(seconds),
+        _ => Err("expected 0 or more seconds".to_owned()),
     }
 }
 

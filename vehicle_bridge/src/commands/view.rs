@@ -64,7 +64,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
     // A network that nobody holds is left.
     let mut _joined = None;
     if let Some(log) = &args.log {
-        let (log, clock) = view_source::Log::open(log, args.speed)?;
+        let (log, clock) = view_source::Log::open(log, args.speed, args.at)?;
         let view = Arc::new(View::new(log.title(), clock, resolve));
         show(&opened(&view, ServerOptions::default())?, talk)?;
         log.play(&view, &stop)?;

@@ -36,17 +36,19 @@ const PATIENCE: Duration = Duration::from_secs(30);
 pub(super) struct Log {
     path: PathBuf,
     speed: f64,
+    /// What lies before is shown at once. \[s\]
+    ahead: f64,
     /// Its time now. \[ns\]
     now_ns: Arc<AtomicI64>,
 }
 
 impl Log {
     /// The log and the clock of what it shows.
-    pub(super) fn open(path: &Path, speed: f64) -> Result<(Self, Clock)> {
+    pub(super) fn open(path: &Path, speed: f64, ahead: f64) -> Result<(Self, Clock)> {
         File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let now_ns = Arc::new(AtomicI64::new(0));
         let clock = Arc::clone(&now_ns);
-        let log = Self { path: path.to_owned(), speed, now_ns };
+        let log = Self { path: path.to_owned(), speed, ahead, now_ns };
         Ok((log, Box::new(move || clock.load(Ordering::Relaxed))))
     }
 
@@ -70,15 +72,16 @@ impl Log {
         self.prepare(view)?;
         let mut events = self.events()?;
         let (mut begun, mut first) = (Instant::now(), None);
-        let mut last_us = 0;
+        let (mut last_us, mut ahead) = (0, self.ahead);
         while let Some(event) = events.next_event()? {
             let start = *first.get_or_insert(event.utime);
             if event.utime - last_us > SILENCE_US && last_us != 0 {
                 // Over a silence at once: as if it had begun so much later.
+                ahead -= (last_us - start).max(0) as f64 * 1e-6;
                 (begun, first) = (Instant::now(), Some(event.utime));
             } else {
-                let at = (event.utime - start).max(0) as f64 * 1e-6 / self.speed;
-                let due = begun + Duration::from_secs_f64(at);
+                let at = (event.utime - start).max(0) as f64 * 1e-6 - ahead.max(0.0);
+                let due = begun + Duration::from_secs_f64(at.max(0.0) / self.speed);
                 while let Some(left) = due.checked_duration_since(Instant::now()) {
                     if is_set(stop) {
                         return Ok(());
