@@ -83,7 +83,7 @@ class Chart {
     const take = (value) => { if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); } };
     for (const [samples, , value] of this.others(look)) for (const sample of samples) take(value(sample));
     for (const sample of state.lap.samples) { take(this.about.value(sample)); if (this.about.second) take(this.about.second(sample)); }
-    if (this.about.fit) { if (!(high > low)) [low, high] = this.about.least; else low -= 0.04 * (high - low); }
+    if (this.about.fit) { if (!(high > low)) [low, high] = this.about.least; else if (low >= 0) low = Math.max(0, low - 0.04 * (high - low)); }
     for (const limit of this.limits()) if (limit <= 1.6 * high && limit >= 1.6 * low) take(limit);
     const step = round((high - low) / 3);
     return [low < 0 || this.about.fit ? Math.max(Math.floor(low / step - GAP), low < 0 ? -Infinity : 0) * step : 0, Math.ceil(high / step + GAP) * step, step];

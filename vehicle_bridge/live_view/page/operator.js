@@ -53,4 +53,5 @@ export function operator() {
 
 export function shown() {
   $('operator').hidden = !state.hello?.operator;
+  document.body.classList.toggle('ordering', Boolean(state.hello?.operator));
 }
