@@ -1,6 +1,6 @@
 // Curves along the lap: other laps and what is driven are drawn as they come, the cursor in each frame.
 
-import { state, T, S, V, A, DELTA, USE_F, USE_R, SUPPORT, LIMITED, at, behind, pose } from './state.js';
+import { state, T, S, V, A, DELTA, USE_F, USE_R, SUPPORT, LIMITED, at, behind, pose, reached } from './state.js';
 
 const LEFT = 44, RIGHT = 8, TOP = 6, BOTTOM = 18, GAP = 0.05;
 const number = (value, digits = 2) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
@@ -151,17 +151,17 @@ class Chart {
   }
 
   // What came since the last frame is added to what stands there.
-  current(look) {
-    const samples = state.lap.samples, { about } = this;
-    if (samples.length <= this.done || !look.shown.current) return;
-    const { g } = this.size(this.base), added = samples.slice(Math.max(0, this.done - 1));
+  current(look, car) {
+    const samples = state.lap.samples, count = reached(samples, car), { about } = this;
+    if (count <= this.done || !look.shown.current) return;
+    const { g } = this.size(this.base), added = samples.slice(Math.max(0, this.done - 1), count);
     this.line(g, added.map((p) => [p[S], about.value(p)]), look.current);
     if (about.second) this.line(g, added.map((p) => [p[S], about.second(p)]), look.second);
     if (about.marks) {
       g.fillStyle = look.alert;
       for (const p of added) if (p[LIMITED] & about.marks) g.fillRect(this.px(p[S]) - 1, this.height - BOTTOM - 5, 2.5, 5);
     }
-    this.done = samples.length;
+    this.done = count;
   }
 
   outgrown() {
@@ -176,11 +176,12 @@ class Chart {
     const versions = state.versions;
     const key = [versions.world, versions.laps, versions.lap, this.area.clientWidth, this.area.clientHeight, look.name, Object.values(look.shown)].join();
     if (key !== this.key || this.outgrown()) { this.redraw(look); this.key = key; }
-    this.current(look);
+    const car = pose(now);
+    this.current(look, car);
     const { g, width, height } = this.size(this.top);
     g.clearRect(0, 0, width, height);
     if (this.about.plan && state.plan?.x && look.shown.current) this.ahead(g, look);
-    const car = pose(now), live = state.lap.samples.at(-1);
+    const live = state.lap.samples.at(-1);
     const s = state.hover ?? car?.s;
     if (Number.isFinite(s)) this.cursor(g, s, look);
     this.read(state.hover === null ? live : null, s);

@@ -1,6 +1,6 @@
 // The track from above: what stays is drawn once, the car and its plan in each frame.
 
-import { state, X, Y, at, pose } from './state.js';
+import { state, X, Y, at, pose, reached } from './state.js';
 
 const box = document.getElementById('map');
 const [base, top] = box.querySelectorAll('canvas');
@@ -120,7 +120,11 @@ export function draw(now, look) {
   }
   const { g } = size(top);
   g.clearRect(0, 0, width, height);
-  if (look.shown.current) line(g, state.lap.samples, look.current, X, Y);
+  if (look.shown.current && state.lap.samples.length) {
+    const trail = state.lap.samples.slice(0, reached(state.lap.samples, car));
+    if (car) trail.push({ [X]: car.x, [Y]: car.y });
+    line(g, trail, look.current, X, Y);
+  }
   plan(g, look);
   if (car) body(g, car, world.car, look);
   if (state.hover !== null) pointed(g, look);

@@ -78,6 +78,13 @@ export function at(samples, s, column, key = S) {
   return span > 0 ? a[column] + (s - a[key]) / span * (b[column] - a[column]) : a[column];
 }
 
+// Samples of this lap up to the car as it is drawn.
+export function reached(samples, car) {
+  let count = samples.length;
+  if (Number.isFinite(car?.s)) while (count > 0 && samples[count - 1][S] > car.s) count -= 1;
+  return count;
+}
+
 // Time lost so far against a lap at a place of this one; of laps that were seen from the line on.
 export function behind(sample, other) {
   return sample[T] - at(other, sample[S], T);

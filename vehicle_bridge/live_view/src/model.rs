@@ -90,9 +90,9 @@ impl Model {
     }
 
     fn setup(&mut self, setup: Setup) {
-        let told = Wanted { car_id: setup.car_id, car: setup.car, ..self.wanted.clone() };
-        if told != self.wanted {
-            self.wanted = told;
+        let wanted = Wanted { car_id: setup.car_id, car: setup.car, ..self.wanted.clone() };
+        if wanted != self.wanted {
+            self.wanted = wanted;
             self.look_up();
         }
     }

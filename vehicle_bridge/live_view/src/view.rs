@@ -1,4 +1,4 @@
-//! A drive that is shown, shared by who hears its messages and by the pages.
+//! A drive that is shown, shared by who receives its messages and by the pages.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -19,7 +19,7 @@ pub struct View {
 }
 
 impl View {
-    /// Nothing heard yet of `source`, which is named on the page.
+    /// Nothing received yet of `source`, which is named on the page.
     #[must_use]
     pub fn new(source: String, clock: Clock, resolve: Resolve) -> Self {
         let model = Mutex::new(Model::new(resolve));

@@ -81,7 +81,7 @@ impl Operator {
         })
     }
 
-    /// Forgets which programs were heard, as at the start: for a program that gives several orders.
+    /// Forgets which programs are on the network, as at the start: for one that gives several orders.
     pub fn forget(&mut self) {
         while self.inbox.take().is_some() {}
         (self.bridge, self.service) = (None, false);

@@ -7,7 +7,7 @@ use super::server::Refused;
 
 /// Longest head of a request. \[B\]
 const HEAD: usize = 16 << 10;
-/// Headers told apart. \[-\]
+/// Headers of a request. \[-\]
 const HEADERS: usize = 64;
 /// Longest body: an order. \[B\]
 const BODY: usize = 1024;
