@@ -18,6 +18,7 @@ test:
 	tests/interop/export.sh
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
+	tests/interop/view.sh
 	python/test.sh
 	$(MAKE) fmu-test
 
@@ -25,7 +26,7 @@ test:
 test-fast:
 	cargo test --release -p vehicle_model -p controller -p house_tests
 	cargo test --release -p lcm_types -p safety -p mapping -p svg_page -p optimum_store -p hosting \
-		-p atomic_file -p protocol -p racing -p studies -p log_export --lib
+		-p atomic_file -p protocol -p racing -p studies -p log_export -p live_view --lib
 
 # The generated pages of docs/ and the golden files of tests, written anew.
 generated:

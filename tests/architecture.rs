@@ -100,7 +100,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("python", "anyhow controller hosting numpy optimum pyo3 racing vehicle_model"),
     (
         "vehicle_bridge",
-        "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types log_export mapping nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types live_view log_export mapping network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
@@ -113,8 +113,13 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "vehicle_bridge/hosting",
         "anyhow atomic_file controller nix signal-hook thiserror thread-priority toml vehicle_model",
     ),
+    (
+        "vehicle_bridge/live_view",
+        "anyhow httparse lcm_types log_export network_watch optimum_store racing serde serde_json vehicle_model",
+    ),
     ("vehicle_bridge/log_export", "anyhow csv lcm_types mcap serde serde_json"),
     ("vehicle_bridge/mapping", "lcm_types serde toml vehicle_model"),
+    ("vehicle_bridge/network_watch", "lcm_types safety serde"),
     ("vehicle_bridge/optimum", "clarabel nalgebra thiserror vehicle_model"),
     ("vehicle_bridge/optimum_store", "anyhow optimum serde toml vehicle_model"),
     (

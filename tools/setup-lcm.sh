@@ -1,13 +1,13 @@
 #!/bin/sh
-# Puts the official Python packages of LCM, with its own lcm-gen and tools, and of MCAP into
-# target/lcm/venv.
+# Puts the official Python packages of LCM, with its own lcm-gen and tools, of MCAP, and Playwright,
+# which drives the browser, into target/lcm/venv.
 # `tools/setup.sh test` installs what the system lacks for it.
 set -eu
 cd "$(dirname "$0")/.."
 python=target/lcm/venv/bin/python
-if ! "$python" -c 'import lcm, mcap' 2>/dev/null; then
+if ! "$python" -c 'import lcm, mcap, playwright' 2>/dev/null; then
     mkdir -p target/lcm
     python3 -m venv target/lcm/venv
-    "$python" -m pip install --quiet lcm==1.5.3 mcap==1.3.0
+    "$python" -m pip install --quiet lcm==1.5.3 mcap==1.3.0 playwright==1.65.2
 fi
-"$python" -c 'import lcm, mcap'
+"$python" -c 'import lcm, mcap, playwright'

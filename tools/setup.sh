@@ -31,7 +31,7 @@ for job in "$@"; do
         need xvfb "the screen lcm-spy is looked at on" "command -v Xvfb"
         need imagemagick "takes the picture of that screen" "command -v import && command -v convert"
         need valgrind "counts the instructions of a control step" "command -v valgrind"
-        need chromium "lays out the verdict of a bench" "command -v chromium || command -v chromium-browser || command -v google-chrome"
+        need chromium "lays out the verdict of a bench and opens the live view" "command -v chromium || command -v chromium-browser || command -v google-chrome"
         need util-linux "makes those namespaces" "command -v unshare"
         need python3-venv "the official Python package of LCM goes in a venv" "python3 -c 'import ensurepip'"
         ;;

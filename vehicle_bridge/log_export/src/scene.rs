@@ -170,8 +170,10 @@ fn edges(track: &Track, utime: i64) -> Value {
     update(utime, "track", json!({ "lines": lines }))
 }
 
-/// World position of a place beside the centre line, along an arc from the sample before it.
-fn on_track(track: &Track, s: f64, e_y: f64) -> Option<(f64, f64)> {
+/// World position of a place beside the centre line \[m\], along an arc from the sample before it;
+/// `None` where the message has no sample before it.
+#[must_use]
+pub fn on_track(track: &Track, s: f64, e_y: f64) -> Option<(f64, f64)> {
     let s = if track.closed { s.rem_euclid(track.length) } else { s };
     let after = track.s.partition_point(|&sample| f64::from(sample) <= s);
     let i = after.checked_sub(1)?;

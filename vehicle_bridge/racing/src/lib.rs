@@ -26,7 +26,7 @@ pub use plant::change_plant;
 
 use hosting::rule::FailureReason;
 use hosting::timing::{StepTime, Stopwatch};
-use record::{Failure, LapRow, ModelError, StepRow};
+use record::{Failure, LapRow, ModelError, StepRow, tyre_use};
 use vehicle_host::{Vehicle, VehicleError};
 
 /// Where the learned model is compared with the plant's own linearisation.
@@ -269,8 +269,6 @@ impl Race {
         let x = self.vehicle.truth();
         let car = self.vehicle.car();
         let slip = SlipAngles::new(&x, &self.vehicle.applied(), car);
-        let share =
-            |tyre: &vehicle_model::Tyre, alpha: f64| (tyre.c * (tyre.b * alpha.abs()).atan()).sin();
         StepRow {
             time: self.time,
             x,
@@ -279,8 +277,8 @@ impl Race {
             status,
             alpha_f: slip.front,
             alpha_r: slip.rear,
-            use_f: share(&car.tyre_front, slip.front),
-            use_r: share(&car.tyre_rear, slip.rear),
+            use_f: tyre_use(&car.tyre_front, slip.front),
+            use_r: tyre_use(&car.tyre_rear, slip.rear),
             overhang: self.outline.overhang(&self.options.track, &x),
             model_error: self.model_error(&x, &u, &status),
         }

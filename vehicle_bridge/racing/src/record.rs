@@ -4,7 +4,7 @@ use std::fmt;
 
 use controller::{Action, LapKind, LapResult, Status};
 use hosting::rule::FailureReason;
-use vehicle_model::{GlobalState, Input, State};
+use vehicle_model::{GlobalState, Input, State, Tyre};
 
 /// One control step.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,12 @@ pub struct StepRow {
     pub overhang: f64,
     /// Frobenius norm of the learned model's error in A; not a number where it was not asked for.
     pub model_error: ModelError,
+}
+
+/// Share of an axle's largest lateral force that a slip angle \[rad\] asks for, 0 to 1.
+#[must_use]
+pub fn tyre_use(tyre: &Tyre, alpha: f64) -> f64 {
+    (tyre.c * (tyre.b * alpha.abs()).atan()).sin()
 }
 
 /// Frobenius norms |A_learned - A_plant| of one step, over the points asked for.

@@ -81,6 +81,14 @@ impl Operator {
         })
     }
 
+    /// Forgets which programs are on the network, as at the start: for one that gives several orders.
+    pub fn forget(&mut self) {
+        while self.inbox.take().is_some() {}
+        (self.bridge, self.service) = (None, false);
+        self.bridges.clear();
+        self.begun = Instant::now();
+    }
+
     /// Says an order once.
     fn publish(&mut self, order: &mut OperatorCommand) -> Result<()> {
         order.h = self.publisher.header();

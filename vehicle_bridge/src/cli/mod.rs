@@ -17,6 +17,7 @@ mod study;
 mod top;
 mod track;
 mod vehicle;
+mod view;
 
 use std::path::PathBuf;
 
@@ -41,6 +42,7 @@ pub use study::{CampaignArgs, MergeArgs, PaperStudyArgs, Study, StudyArgs, Track
 pub use top::TopArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs, TryVehicleArgs};
+pub use view::ViewArgs;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -87,6 +89,8 @@ pub enum Command {
     Operator(OperatorArgs),
     /// See the whole network at a terminal: car, states, rates, ages, step times
     Top(TopArgs),
+    /// Show a drive on a page in the browser: map, speed, inputs, tyres, laps, states
+    View(Box<ViewArgs>),
     /// Record every message on an LCM network in a log
     Record(RecordArgs),
     /// Drive a log's states again and compare the commands
@@ -126,6 +130,7 @@ impl Command {
             Self::Bridge(args) => Some(&args.network),
             Self::Operator(args) => Some(&args.network),
             Self::Top(args) => Some(&args.network),
+            Self::View(args) => args.joined(),
             Self::Record(args) => Some(&args.network),
             Self::Vehicle(args) => match &args.vehicle {
                 Vehicle::Sim(args) => Some(&args.network),

@@ -27,6 +27,9 @@ mod top;
 mod track;
 mod track_page;
 mod vehicle;
+mod view;
+mod view_orders;
+mod view_source;
 
 use anyhow::Result;
 
@@ -83,6 +86,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
         Command::Bridge(args) => operator::bridge(&args, talk),
         Command::Operator(args) => operator::operator(&args, talk),
         Command::Top(args) => top::run(&args, talk),
+        Command::View(args) => view::run(&args, talk),
         Command::Record(args) => network::record(&args, talk),
         Command::Replay(args) => network::replay(&args),
         Command::Export(args) => export::run(&args, talk),

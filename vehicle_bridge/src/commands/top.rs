@@ -12,7 +12,8 @@ use super::Outcome;
 use super::network::{connect, on_signal};
 use crate::cli::TopArgs;
 use crate::console::{Talk, harmless, result};
-use crate::top::{Snapshot, Watch, draw};
+use crate::top::draw;
+use network_watch::{Snapshot, Watch};
 use transport::{Filter, Message};
 
 /// Longest sleep, so that signals are seen.

@@ -6,6 +6,7 @@ use lcm_types::{
 };
 
 use super::*;
+use network_watch::Watch;
 
 const MS: i64 = 1_000_000;
 

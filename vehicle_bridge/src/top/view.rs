@@ -2,8 +2,8 @@
 
 use anstyle::Style;
 
-use super::{CarSeen, ChannelSeen, ProgramSeen, Snapshot, TrackSeen};
 use crate::console::{BAD, GOOD, SOFT, WARN, paint};
+use network_watch::{CarSeen, ChannelSeen, ProgramSeen, Snapshot, TrackSeen};
 
 /// A silence of this many of a channel's own intervals is one to look at. \[-\]
 const LATE: f64 = 5.0;

@@ -6,6 +6,8 @@
 //! | `memq://`, `tcpq://…`, `file://…`, `mpudpm://…` | liblcm, through the `lcm` crate | the providers exist only there |
 //! | `liblcm+udpm://…` | liblcm | to compare the two |
 //!
+//! [`Local`] is a network within one process.
+//!
 //! Messages are handed to [`Sink`]s on the receiving thread as they arrive. A slow loop puts an
 //! [`Inbox`] there: it reads the newest state from [`Inbox::latest`] and every order from
 //! [`Inbox::queue`], and never makes the network wait.
@@ -21,6 +23,7 @@ mod inbox;
 pub mod liblcm;
 #[cfg(feature = "liblcm")]
 mod liblcm_loaded;
+mod local;
 mod reassembly;
 pub mod record;
 mod statistics;
@@ -36,6 +39,7 @@ pub use dispatch::Sink;
 pub use error::Error;
 pub use inbox::{Inbox, Received};
 pub use lcm_types::Arrival;
+pub use local::Local;
 pub use reassembly::{EXPIRY_NS, MAX_MESSAGE, MAX_PARTIAL};
 pub use statistics::{MAX_SENDERS, SenderStatistics, Statistics};
 pub use udpm::Udpm;

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use lcm_types::{
-    ActuationCommand, ActuationReport, Checked as _, Header, Heartbeat, LapResult, Message as _,
-    MpcTelemetry, OperatorAck, OperatorCommand, Track, VehicleState, channels,
+    ActuationReport, Heartbeat, MpcTelemetry, OperatorAck, OperatorCommand, Track, VehicleState,
 };
 
 use super::stream::Stream;
-use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen};
+use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen};
 use safety::BridgeState;
 
 /// A program silent for longer may be gone. \[s\]
@@ -31,73 +30,71 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A message that arrived.
-    pub fn take(&mut self, channel: &str, payload: &[u8], arrival_ns: i64) {
+    /// A message that arrived; what it was, if it is a message of ours and could be decoded.
+    pub fn take(&mut self, channel: &str, payload: &[u8], arrival_ns: i64) -> Option<Seen> {
         if self.streams.len() >= CHANNELS && !self.streams.contains_key(channel) {
-            return;
+            return None;
         }
-        let read = self.read(channel, payload, arrival_ns);
+        let read = Seen::read(channel, payload);
         let stream = self.streams.entry(channel.to_owned()).or_default();
         stream.take(payload.len(), arrival_ns);
-        match read {
-            Some(Ok(h)) => stream.read(&h),
-            Some(Err(_)) => stream.puzzle(),
-            None => {}
+        match read? {
+            Ok(seen) => {
+                stream.read(seen.header());
+                self.keep(&seen, arrival_ns);
+                Some(seen)
+            }
+            Err(_) => {
+                stream.puzzle();
+                None
+            }
         }
     }
 
-    /// The header of a message of ours; `None` on channels that are not.
-    fn read(
-        &mut self,
-        channel: &str,
-        bytes: &[u8],
-        arrival_ns: i64,
-    ) -> Option<Result<Header, lcm_types::Error>> {
-        Some(match channel {
-            channels::STATE => VehicleState::open(bytes).map(|state| {
-                let h = state.h.clone();
-                self.state = Some((state, arrival_ns));
-                h
-            }),
-            channels::ACTUATION => ActuationReport::open(bytes).map(|report| {
-                let h = report.h.clone();
-                self.report = Some(report);
-                h
-            }),
-            channels::COMMAND | channels::COMMAND_DRY => ActuationCommand::open(bytes).map(|c| c.h),
-            channels::TELEMETRY => MpcTelemetry::decode(bytes).map(|step| {
+    fn keep(&mut self, seen: &Seen, arrival_ns: i64) {
+        match seen {
+            Seen::State(state) => self.state = Some((state.clone(), arrival_ns)),
+            Seen::Report(report) => self.report = Some(report.clone()),
+            Seen::Step(step) => {
                 self.worst_us = self.worst_us.max(step.total_us);
-                let h = step.h.clone();
-                self.step = Some(step);
-                h
-            }),
-            channels::LAP => LapResult::decode(bytes).map(|lap| lap.h),
-            channels::TRACK => Track::open(bytes).map(|track| {
-                let h = track.h.clone();
-                self.track = Some(track);
-                h
-            }),
-            channels::OPERATOR => OperatorCommand::open(bytes).map(|order| {
-                self.order(&order, arrival_ns);
-                order.h
-            }),
-            channels::OPERATOR_ACK => OperatorAck::decode(bytes).map(|ack| {
-                self.answer(&ack);
-                ack.h
-            }),
-            other => {
-                let name = other.strip_prefix(channels::HEARTBEAT)?;
-                Heartbeat::decode(bytes).map(|beat| {
-                    let stop = beat.detail.split("; ").find_map(|d| d.strip_prefix("last stop: "));
-                    if name == "bridge" {
-                        self.stop = stop.map(str::to_owned).or(self.stop.take());
-                    }
-                    let h = beat.h.clone();
-                    self.programs.insert(name.to_owned(), (beat, arrival_ns));
-                    h
-                })
+                self.step = Some(step.clone());
             }
-        })
+            Seen::Track(track) => self.track = Some(track.clone()),
+            Seen::Order(order) => self.order(order, arrival_ns),
+            Seen::Answer(ack) => self.answer(ack),
+            Seen::Beat(name, beat) => {
+                let stop = beat.detail.split("; ").find_map(|d| d.strip_prefix("last stop: "));
+                if name == "bridge" {
+                    self.stop = stop.map(str::to_owned).or(self.stop.take());
+                }
+                self.programs.insert(name.clone(), (beat.clone(), arrival_ns));
+            }
+            Seen::Command(_) | Seen::Lap(_) | Seen::Setup(_) => {}
+        }
+    }
+
+    /// The last track.
+    #[must_use]
+    pub fn track(&self) -> Option<&Track> {
+        self.track.as_ref()
+    }
+
+    /// The last state and when it arrived. \[ns\]
+    #[must_use]
+    pub fn state(&self) -> Option<(&VehicleState, i64)> {
+        self.state.as_ref().map(|(state, at)| (state, *at))
+    }
+
+    /// What was applied last.
+    #[must_use]
+    pub fn report(&self) -> Option<&ActuationReport> {
+        self.report.as_ref()
+    }
+
+    /// The controller's last step.
+    #[must_use]
+    pub fn step(&self) -> Option<&MpcTelemetry> {
+        self.step.as_ref()
     }
 
     fn order(&mut self, order: &OperatorCommand, arrival_ns: i64) {
@@ -190,7 +187,8 @@ impl Watch {
 
     /// Where on the track: s, e_y and the nearest of the track's points. By the car's own word, else
     /// by its position.
-    fn place(&self, state: &VehicleState) -> Option<(f64, f64, usize)> {
+    #[must_use]
+    pub fn place(&self, state: &VehicleState) -> Option<(f64, f64, usize)> {
         let track = self.track.as_ref()?;
         if state.valid & VehicleState::FRENET != 0 && state.frenet.track_id == track.track_id {
             let s = state.frenet.s;
@@ -231,7 +229,9 @@ fn program(name: &str, beat: &Heartbeat, age_s: f64) -> ProgramSeen {
     }
 }
 
-fn step_status(status: i8) -> &'static str {
+/// How a solver ended, in words, by the code of `LMPC/TELEM`.
+#[must_use]
+pub fn step_status(status: i8) -> &'static str {
     match status {
         MpcTelemetry::SOLVED => "solved",
         MpcTelemetry::MAX_ITER => "too many iterations",
