@@ -109,6 +109,9 @@ pub fn compared_text(rows: &[Compared]) -> String {
     out
 }
 
+/// A number of each problem.
+type Column = fn(&Compared) -> f64;
+
 /// Problems up to which each has a line; above, only those that are not solved.
 const FEW: usize = 40;
 
@@ -144,13 +147,13 @@ fn write_rows(rows: &[Compared], out: &mut String) -> std::fmt::Result {
             row.u_0_difference
         )?;
     }
-    let quantile = |value: fn(&Compared) -> f64, share: f64| {
+    let quantile = |value: Column, share: f64| {
         let mut values: Vec<f64> = rows.iter().map(value).collect();
         values.sort_unstable_by(f64::total_cmp);
         let last = values.len().saturating_sub(1);
         values.get((last as f64 * share) as usize).copied().unwrap_or(f64::NAN)
     };
-    let lines: [(&str, fn(&Compared) -> f64); 5] = [
+    let lines: [(&str, Column); 5] = [
         ("time [us]", |row| row.time_us),
         ("Clarabel [us]", |row| row.clarabel_time_us),
         ("iterations", |row| f64::from(row.iterations)),
