@@ -17,7 +17,7 @@
 
 use std::ops::Range;
 
-use crate::lanes::dot;
+use crate::lanes::{dot, sum};
 
 /// Lanes of a search for the greatest.
 const LANES: usize = 4;
@@ -254,12 +254,22 @@ impl Barrier {
         (parts[best], steps[best])
     }
 
-    /// The gap after a step.
+    /// The gap after a step, from that before it.
     #[inline(always)]
-    pub(super) fn gap_after(&self, step: f64) -> f64 {
-        self.gap()
-            + step * (dot(&self.w, &self.dz) + dot(&self.z, &self.dw))
-            + step * step * dot(&self.dw, &self.dz)
+    pub(super) fn gap_after(&self, gap: f64, step: f64) -> f64 {
+        let mut sums = [0.0; 2 * LANES];
+        let (w, z) = (self.w.chunks_exact(2 * LANES), self.z.chunks_exact(2 * LANES));
+        let (dw, dz) = (self.dw.chunks_exact(2 * LANES), self.dz.chunks_exact(2 * LANES));
+        let (rest, rest_d) =
+            (w.remainder().iter().zip(z.remainder()), dw.remainder().iter().zip(dz.remainder()));
+        let change = |w: f64, z: f64, dw: f64, dz: f64| w * dz + dw * (z + step * dz);
+        let last: f64 = rest.zip(rest_d).map(|((w, z), (dw, dz))| change(*w, *z, *dw, *dz)).sum();
+        for ((w, z), (dw, dz)) in w.zip(z).zip(dw.zip(dz)) {
+            for l in 0..2 * LANES {
+                sums[l] += change(w[l], z[l], dw[l], dz[l]);
+            }
+        }
+        gap + step * (sum(&sums) + last)
     }
 
     /// Takes the step.

@@ -68,6 +68,8 @@ pub(super) struct Work {
     predicted: Point,
     predicted_gradient: Vec<Vector6<f64>>,
     pub(super) barrier: Barrier,
+    /// Sum of w z of the iterate.
+    gap: f64,
     pub(super) hull: Hull,
     curvature: Vec<Curvature>,
     gradient: Vec<Gradient>,
@@ -89,6 +91,7 @@ impl Work {
             predicted: Point::default(),
             predicted_gradient: vec![Vector6::zeros(); shape.horizon],
             barrier: Barrier::default(),
+            gap: 0.0,
             hull: Hull::default(),
             curvature: vec![Curvature::default(); shape.horizon],
             gradient: vec![Gradient::default(); shape.horizon],
@@ -161,10 +164,10 @@ impl Work {
         }
         self.direction(problem, false);
         let rows = self.rows.count() as f64;
-        let gap = self.barrier.gap();
+        let gap = self.gap;
         let mut step = self.barrier.step();
         if step < FULL {
-            let centring = (self.barrier.gap_after(step) / gap).powi(4);
+            let centring = (self.barrier.gap_after(gap, step) / gap).powi(4);
             // Below the tolerance there is nothing to gain: smaller gaps only cost digits.
             let target = (centring * gap).max(LEAST_TARGET * config.tolerance) / rows;
             step = self.correct(problem, target, step);
@@ -325,7 +328,8 @@ impl Work {
             after = a_pi + gradient.state(problem, t);
             input_after = b_pi * carry - gradient.rate;
         }
-        let gap = self.barrier.gap() / (1.0 + cost.abs());
+        self.gap = self.barrier.gap();
+        let gap = self.gap / (1.0 + cost.abs());
         // Costates carry the rounding of a curvature up to 1 / delta.
         Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
     }
