@@ -9,7 +9,8 @@ Every solver gets the same problems in turn, several rounds of them; the least t
 so that what a busy machine adds is left out. Printed are quantiles over the problems, the ratio of
 our median to each, and the error of the first input against Clarabel at 1e-10.
 
-PIQP and Clarabel report their own times, without set-up and Python. HPIPM is used where its Python package
+PIQP reports its own times, without set-up and Python; Clarabel is timed inside lmpc, with the controller's
+settings and memory, while the errors in its row are those of its solution at 1e-10. HPIPM is used where its Python package
 `hpipm_python` and `libhpipm.so` are found (`HPIPM_PYTHON`: folder of the package; `LD_LIBRARY_PATH`: folder
 of the library). It is tuned: the hull without one weight and centred on that point, previous input as
 state only where a stage needs it, and the best mu0 of several, found on the problems themselves. Its time
@@ -201,15 +202,14 @@ class Sparse:
 
 
 class Clarabel:
-    """Clarabel as the controller uses it, or as a reference."""
+    """Clarabel as a reference."""
 
-    def __init__(self, sparse, tolerance=TOLERANCE, refined=False):
+    def __init__(self, sparse, tolerance):
         import clarabel
 
         matrix, q, a, right, g, limit = sparse.arrays()
         settings = clarabel.DefaultSettings()
         settings.verbose, settings.presolve_enable = False, False
-        settings.iterative_refinement_enable = refined
         settings.max_iter, settings.direct_solve_method = 200, "qdldl"
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         cones = [clarabel.ZeroConeT(len(right)), clarabel.NonnegativeConeT(len(limit))]
@@ -476,13 +476,18 @@ def tuned(problems, mode, classical):
 
 
 def ours(lmpc, folder):
-    """Our results, by name of the problem."""
+    """Our results and those of Clarabel inside lmpc, by name of the problem."""
     command = [lmpc, "bench", "--read-qp", folder, "--json"]
     rows = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
     solved = ("Solved", "AlmostSolved")
-    return {
-        row["name"]: (row["time_us"], row["status"] in solved, np.array(row["u_0"]), row["cost"]) for row in rows
-    }
+
+    def results(prefix):
+        names = (f"{prefix}time_us", f"{prefix}status", f"{prefix}u_0", f"{prefix}cost")
+        for row in rows:
+            spent, status, u_0, cost = (row[name] for name in names)
+            yield row["name"], (spent, status in solved, np.array(u_0), cost)
+
+    return dict(results("")), dict(results("clarabel_"))
 
 
 def main():
@@ -498,7 +503,7 @@ def main():
         sys.exit(f"{arguments.folder} holds no problems; `lmpc bench --dump-qp DIR` writes some")
     problems = [Problem(path) for path in paths[:: -(-len(paths) // arguments.most)]]
     sparse = [Sparse(problem) for problem in problems]
-    solvers = {"Clarabel, without refinement": [Clarabel(s) for s in sparse]}
+    solvers = {}
     with contextlib.suppress(ImportError):
         solvers["PIQP sparse_multistage"] = [Piqp(s) for s in sparse]
     if find_hpipm():
@@ -506,16 +511,18 @@ def main():
             mu0 = tuned(problems, mode, classical)
             name = f"HPIPM {mode}, mu0 {mu0:g}" + (", classical" if classical else "")
             solvers[name] = [Hpipm(p, mode, mu0, classical) for p in problems]
-    results = {name: {} for name in ("lmpc", *solvers)}
+    inside = "Clarabel, tuned, inside lmpc"
+    results = {name: {} for name in ("lmpc", inside, *solvers)}
     for _ in range(arguments.rounds):
-        found = ours(arguments.lmpc, arguments.folder)
+        found, clarabel = ours(arguments.lmpc, arguments.folder)
         for k, problem in enumerate(problems):
             results["lmpc"].setdefault(problem.name, []).append(found[problem.name])
+            results[inside].setdefault(problem.name, []).append(clarabel[problem.name])
             for name, instances in solvers.items():
                 # In a row, as lmpc does: its memory is warm.
                 runs = [instances[k].solve() for _ in range(IN_A_ROW)]
                 results[name].setdefault(problem.name, []).append(min(runs, key=lambda run: run[0]))
-    exact = {s.problem.name: Clarabel(s, 1e-10, True).solve() for s in sparse}
+    exact = {s.problem.name: Clarabel(s, 1e-10).solve() for s in sparse}
     print(f"{len(problems)} problems, N {problems[0].n}, {problems[0].points} points, {arguments.rounds} rounds")
     head = ("solver", "min", "median", "p99", "ours / it", "unsolved", "u_0 median", "u_0 99 %", "cost")
     print("{:<36}{:>9}{:>9}{:>9}{:>11}{:>10}{:>12}{:>10}{:>10}".format(*head))
