@@ -111,7 +111,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ),
     (
         "vehicle_bridge/hosting",
-        "anyhow atomic_file controller nix signal-hook thiserror thread-priority toml vehicle_model",
+        "anyhow atomic_file controller nalgebra nix serde serde_json signal-hook thiserror thread-priority toml vehicle_model",
     ),
     (
         "vehicle_bridge/live_view",

@@ -1,4 +1,4 @@
-//! Instructions of a control step, counted by Valgrind: the same on every run, however busy the
+//! Instructions of a control step and of the solver alone, counted by Valgrind: the same on every run, however busy the
 //! machine. The counts of `tests/data/instructions.json` may grow by 5 % before somebody has to
 //! look.
 //!
@@ -21,12 +21,27 @@ const GROWTH: [f64; 2] = [1.05, 1.5];
 
 /// Instructions of one step, the mean of the counted ones.
 fn count(case: usize) -> u64 {
+    let arguments = [case.to_string(), STEPS.to_string()];
+    counted("step", env!("CARGO_BIN_EXE_drive_under_valgrind"), &arguments) / STEPS
+}
+
+/// Instructions of the structured solver on one recorded problem, the mean of all.
+fn count_solve() -> u64 {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/qp");
+    let problems = std::fs::read_dir(&folder).unwrap().count() as u64;
+    let arguments = [folder.display().to_string()];
+    counted("solve", env!("CARGO_BIN_EXE_solve_under_valgrind"), &arguments) / problems
+}
+
+/// Instructions inside the function `counted_WHAT` of a program.
+fn counted(what: &str, program: &str, arguments: &[String]) -> u64 {
     let folder = tempfile::tempdir().unwrap();
     let out = Command::new("valgrind")
-        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_step*"])
+        .args(["--tool=callgrind", "--collect-atstart=no"])
+        .arg(format!("--toggle-collect=*counted_{what}*"))
         .arg(format!("--callgrind-out-file={}", folder.path().join("out").display()))
-        .arg(env!("CARGO_BIN_EXE_drive_under_valgrind"))
-        .args([case.to_string(), STEPS.to_string()])
+        .arg(program)
+        .args(arguments)
         .output()
         .unwrap_or_else(|e| {
             panic!("valgrind does not start: {e}; tools/setup.sh test installs it")
@@ -36,7 +51,7 @@ fn count(case: usize) -> u64 {
     let Some((_, number)) = collected.filter(|_| out.status.success()) else {
         panic!("{}\n{text}", String::from_utf8_lossy(&out.stdout))
     };
-    number.trim().parse::<u64>().unwrap() / STEPS
+    number.trim().parse().unwrap()
 }
 
 /// The counts, and the compiler they are of.
@@ -62,14 +77,15 @@ fn has_avx2() -> bool {
 #[cfg_attr(debug_assertions, ignore = "the counts are those of a release build")]
 fn instructions_of_a_step() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/instructions.json");
-    let found: BTreeMap<String, u64> = cases()
+    let mut found: BTreeMap<String, u64> = cases()
         .unwrap()
         .iter()
         .enumerate()
         .map(|(i, case)| (format!("{}, N {}", case.name, case.config.horizon.steps), count(i)))
         .collect();
+    found.insert("recorded problems, the solver alone".to_owned(), count_solve());
     for (name, count) in &found {
-        println!("{name}: {count} instructions a step");
+        println!("{name}: {count} instructions");
         assert!(*count > 100_000, "nothing was counted of {name}");
     }
     if std::env::var_os("LMPC_RENEW").is_some() {
@@ -90,7 +106,7 @@ fn instructions_of_a_step() {
         let growth = *count as f64 / recorded[name] as f64;
         assert!(
             growth <= allowed,
-            "{name}: {count} instructions a step, {growth:.3} times the recorded {}; see the top \
+            "{name}: {count} instructions, {growth:.3} times the recorded {}; see the top \
              of this file for how to renew them",
             recorded[name]
         );

@@ -160,7 +160,9 @@ impl Controller {
         let u = measurement.applied.or(acting)?;
         let (setup, x) = (&self.setup, &last.state);
         let mode = setup.config.regression.mode;
-        let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, &u);
+        let prepared = self.work.prepared_model(x, &u);
+        let nominal = prepared
+            .unwrap_or_else(|| learned_model::nominal(&setup.model, mode, &setup.track, x, &u));
         let mut model = nominal;
         if self.memory.estimate.filters() {
             let data = &self.memory.derived.regression;

@@ -32,6 +32,21 @@ pub(crate) fn sum(values: &[f64]) -> f64 {
     rest.fold(total(sums), |sum, value| sum + value)
 }
 
+/// 0 if all values are finite, and NaN otherwise: a factor of 0 leaves 0 of what is finite.
+#[inline(always)]
+pub(crate) fn naught(values: &[f64]) -> f64 {
+    const NARROW: usize = 4;
+    let chunks = values.chunks_exact(NARROW);
+    let rest: f64 = chunks.remainder().iter().map(|value| value * 0.0).sum();
+    let mut sums = [0.0; NARROW];
+    for values in chunks {
+        for l in 0..NARROW {
+            sums[l] += values[l] * 0.0;
+        }
+    }
+    rest + (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
 /// Sum of the lanes, half to half.
 #[inline(always)]
 fn total(sums: [f64; LANES]) -> f64 {

@@ -37,29 +37,29 @@ pub(crate) fn nominal(
     x: &State,
     u: &Input,
 ) -> Affine {
-    let mut affine = [Affine::default()];
-    nominal_all(model, mode, track, &[(*x, *u)], &mut affine);
-    affine[0]
+    let mut affine = Affine::default();
+    nominal_all(model, mode, track, &[(*x, *u)], |_, found| affine = found);
+    affine
 }
 
-/// [`nominal`] at every point.
+/// [`nominal`] at every point; `found` gets each point's index and model.
 pub(crate) fn nominal_all(
     model: &Discretized,
     mode: RegressionMode,
     track: &Track,
     points: &[(State, Input)],
-    affine: &mut [Affine],
+    mut found: impl FnMut(usize, Affine),
 ) {
     if mode == RegressionMode::Full {
-        for (affine, (x, _)) in affine.iter_mut().zip(points) {
-            *affine = euler_pose_rows(x, track.kappa(x.s), model.dt);
+        for (i, (x, _)) in points.iter().enumerate() {
+            found(i, euler_pose_rows(x, track.kappa(x.s), model.dt));
         }
         return;
     }
     model.linearize_all(points, track.road(), |i, linear| {
         let (x, u) = &points[i];
         let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
-        affine[i] = Affine { a: linear.a, b: linear.b, c };
+        found(i, Affine { a: linear.a, b: linear.b, c });
     });
 }
 

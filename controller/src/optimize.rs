@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector6};
 use vehicle_model::{CarParams, Discretized, Input, Outline, State, Track};
 
+use crate::affine::Affine;
 use crate::config::Config;
 use crate::controller::Setup;
 use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
@@ -49,6 +50,9 @@ pub(crate) struct Workspace {
     origin: f64,
     /// States and acting inputs the model is linearised at.
     points: Vec<(State, Input)>,
+    /// The nominal model where the car was measured last, and where that was: the filter needs it at the
+    /// next measurement, and here it takes a lane that is left over.
+    measured: Option<(State, Input, Affine)>,
     /// The body, if it counts.
     outline: Option<Outline>,
     /// Speed cap; infinite for none [m/s].
@@ -101,7 +105,8 @@ impl Workspace {
             outline: config.limits.body.then(|| Outline::new(car)),
             speed_cap: bound(config.limits.speed_cap),
             limit: SpeedLimit::new(car, track, config.envelope.brake_share),
-            points: Vec::with_capacity(n),
+            points: Vec::with_capacity(n + 1),
+            measured: None,
             solver: Solver::new(config.solver.clone()),
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
@@ -206,8 +211,27 @@ impl Workspace {
             self.problem.e_y_min[t] = margin - right;
         }
         self.bound_speed(setup, memory);
-        let (mode, stages) = (setup.config.regression.mode, &mut self.problem.model);
-        learned_model::nominal_all(&setup.model, mode, &setup.track, &self.points, stages);
+        let stages = &mut self.problem.model;
+        let last = memory.last.filter(|_| setup.filter.is_some());
+        let acting = memory.dataset.current.samples.last();
+        self.measured =
+            last.zip(acting).map(|(last, acting)| (last.state, acting.u, Affine::default()));
+        self.points.extend(self.measured.map(|(x, u, _)| (x, u)));
+        let mode = setup.config.regression.mode;
+        let (points, measured) = (&self.points, &mut self.measured);
+        learned_model::nominal_all(&setup.model, mode, &setup.track, points, |i, found| {
+            match (stages.get_mut(i), measured.as_mut()) {
+                (Some(stage), _) => *stage = found,
+                (None, Some((_, _, model))) => *model = found,
+                (None, None) => {}
+            }
+        });
+        self.points.truncate(memory.plan.u.len());
+    }
+
+    /// The nominal model at a state and input, if it is the one that was prepared.
+    pub(crate) fn prepared_model(&self, x: &State, u: &Input) -> Option<Affine> {
+        self.measured.filter(|(at, acting, _)| at == x && acting == u).map(|(_, _, model)| model)
     }
 
     /// Greatest speed of each stage's end: envelope, limits and cap. A cap below the present speed is

@@ -11,6 +11,9 @@
 //!
 //! sigma is what the residuals of the share in force were before. A lower share comes into force as
 //! soon as G_h is clear; a higher one a little with each period in which it is.
+//!
+//! While the whole grip is in force and explains the motion (c_in_force and all G_h below QUIET) no other
+//! hypothesis is driven: it would gain less than QUIET of the evidence that is CLEAR.
 
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Discretized, GRAVITY, Input, State};
@@ -31,6 +34,8 @@ const MOST: f64 = 36.0;
 const CLEAR: f64 = 25.0;
 /// The same for a share with which the tyres could not have held what they held before.
 const SURE: f64 = 120.0;
+/// Evidence that needs no other hypothesis to explain it.
+const QUIET: f64 = 1.0;
 /// Steps for which a fall is fresh.
 const FRESH: u32 = 6;
 /// The same for a lower share where one is in force already.
@@ -111,27 +116,35 @@ impl Road {
         self.sums = [0.0; FACTORS.len()];
     }
 
+    /// Variances of the residuals of the share in force, none below that of `floor`.
+    fn variances(&self, floor: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|i| self.variance[i].max(floor[i] * floor[i]))
+    }
+
+    /// Whether the share in force, with its residuals [v_y, omega_z], leaves nothing to explain.
+    fn explains(&self, residual: &[f64; 2], floor: [f64; 2]) -> bool {
+        self.share == 1.0
+            && cost(residual, &self.variances(floor)) < QUIET
+            && self.sums.iter().all(|sum| *sum < QUIET)
+    }
+
+    /// Takes in the residuals [v_y, omega_z] of the share in force where they leave nothing to explain.
+    fn rest(&mut self, residual: &[f64; 2], floor: [f64; 2]) {
+        let variance = self.variances(floor);
+        self.sums = self.sums.map(|sum| FORGET * sum);
+        self.remember(residual, &variance);
+    }
+
     /// Takes in the residuals [v_y, omega_z] of each hypothesis; gives the share they ask for.
     fn weigh(&mut self, residuals: &[[f64; 2]; FACTORS.len()], floor: [f64; 2]) -> Option<f64> {
-        let variance: [f64; 2] = std::array::from_fn(|i| self.variance[i].max(floor[i] * floor[i]));
-        let cost = |residual: &[f64; 2]| {
-            let cost = |i: usize| (residual[i] * residual[i] / variance[i]).min(MOST);
-            cost(0) + cost(1)
-        };
-        let own = cost(&residuals[0]);
+        let variance = self.variances(floor);
+        let own = cost(&residuals[0], &variance);
         for (sum, residual) in self.sums.iter_mut().zip(residuals) {
-            *sum = (FORGET * *sum + own - cost(residual)).max(0.0);
+            *sum = (FORGET * *sum + own - cost(residual, &variance)).max(0.0);
         }
         let best = (0..FACTORS.len())
             .fold(0, |best, h| if self.sums[h] > self.sums[best] { h } else { best });
-        self.count = (self.count + 1.0).min(MEMORY);
-        let [own, ..] = residuals;
-        for i in 0..2 {
-            let most = CLIP * CLIP * variance[i];
-            let square = own[i] * own[i];
-            let square = if self.count > KNOWN { square.min(most) } else { square };
-            self.variance[i] += (square - self.variance[i]) / self.count;
-        }
+        self.remember(&residuals[0], &variance);
         let lower = FACTORS[best] < 1.0;
         let slippery = self.share < 1.0;
         let clear = if lower && slippery { CLEAR_AGAIN } else { CLEAR };
@@ -155,6 +168,23 @@ impl Road {
         }
         slippery.then(|| wanted.min(self.share + RISE).min(1.0))
     }
+
+    /// Takes residuals of the share in force into their variances, which were `variance`.
+    fn remember(&mut self, own: &[f64; 2], variance: &[f64; 2]) {
+        self.count = (self.count + 1.0).min(MEMORY);
+        for i in 0..2 {
+            let most = CLIP * CLIP * variance[i];
+            let square = own[i] * own[i];
+            let square = if self.count > KNOWN { square.min(most) } else { square };
+            self.variance[i] += (square - self.variance[i]) / self.count;
+        }
+    }
+}
+
+/// c of a hypothesis.
+fn cost(residual: &[f64; 2], variance: &[f64; 2]) -> f64 {
+    let cost = |i: usize| (residual[i] * residual[i] / variance[i]).min(MOST);
+    cost(0) + cost(1)
 }
 
 impl Controller {
@@ -208,19 +238,29 @@ impl Controller {
         let (error, _) = learned_model::error(data, &setup.regression, 0, (last, u), scratch);
         let wrong = error.apply(&last.to_vector(), &u.to_vector());
         let probe: &mut Discretized = &mut self.work.probe;
-        let mut residuals = [[0.0; 2]; FACTORS.len()];
-        for (h, residual) in residuals.iter_mut().enumerate() {
-            probe.model.grip = self.memory.grip.map(|grip| share * FACTORS[h] * grip);
-            let next = probe.next(last, u, setup.track.road());
-            *residual = [now.v_y - next.v_y - wrong[1], now.omega_z - next.omega_z - wrong[2]];
-        }
+        let grip = self.memory.grip;
+        let mut residual = |factor: f64| {
+            probe.model.grip = grip.map(|grip| share * factor * grip);
+            let mut residual = [0.0; 2];
+            probe.velocities_all(&[(*last, *u)], &setup.track.road(), &mut |_, next| {
+                residual = [now.v_y - next[1] - wrong[1], now.omega_z - next[2] - wrong[2]];
+            });
+            residual
+        };
         let model_error = 0.5 * setup.config.filter.model_error;
         let v =
             model_error * scales.speed * scales.speed / scales.length * setup.config.horizon.period;
+        let floor = [v, v / scales.length];
+        let own = residual(FACTORS[0]);
+        if self.memory.road.explains(&own, floor) {
+            self.memory.road.rest(&own, floor);
+            return;
+        }
+        let residuals = FACTORS.map(&mut residual);
         if !residuals.iter().flatten().all(|r| r.is_finite()) {
             return;
         }
-        let Some(wanted) = self.memory.road.weigh(&residuals, [v, v / scales.length]) else {
+        let Some(wanted) = self.memory.road.weigh(&residuals, floor) else {
             return;
         };
         let (lap, sample) =

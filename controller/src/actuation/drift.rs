@@ -39,20 +39,21 @@ impl Drift {
     ) {
         let Some(i) = samples.len().checked_sub(2).filter(|i| *i >= 3) else { return };
         self.count = (self.count + 1.0).min(MEMORY);
-        for (shift, squares) in SHIFTS.iter().zip(&mut self.squares) {
+        let acting = SHIFTS.map(|shift| {
             let u = match shift {
                 -1 => next,
                 _ => i.checked_add_signed(-shift).map(|i| samples[i].u),
             };
             // What cannot be known is no better than what is.
-            let u = u.unwrap_or(samples[i].u);
-            let expected = model.next(from, &u, track.road());
-            let residual =
-                [to.v_x - expected.v_x, to.v_y - expected.v_y, to.omega_z - expected.omega_z];
-            for (mean, r) in squares.iter_mut().zip(residual) {
-                *mean += (r * r - *mean) / self.count;
+            (*from, u.unwrap_or(samples[i].u))
+        });
+        let (squares, count) = (&mut self.squares, self.count);
+        model.velocities_all(&acting, &track.road(), &mut |shift, expected| {
+            let residual = [to.v_x - expected[0], to.v_y - expected[1], to.omega_z - expected[2]];
+            for (mean, r) in squares[shift].iter_mut().zip(residual) {
+                *mean += (r * r - *mean) / count;
             }
-        }
+        });
         if self.count < MEMORY {
             return;
         }

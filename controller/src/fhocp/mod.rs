@@ -34,6 +34,7 @@ pub(crate) use slacks::greatest;
 pub use solver::Solver;
 
 use crate::affine::Affine;
+use crate::lanes::naught;
 use crate::status::SolveStatus;
 
 /// A slip angle, linearised: alpha = velocity' [v_x, v_y, omega_z] + steering delta + offset.
@@ -188,19 +189,21 @@ impl Fhocp {
     /// Whether every number that reaches a solver is finite (infinite bounds apart).
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let vectors = [&self.x_0, &self.terminal_slack_weight].into_iter().chain(&self.hull);
-        let rows = self.front.iter().chain(&self.rear);
-        vectors.flat_map(|v| v.iter()).all(|v| v.is_finite())
-            && self.u_prev.iter().chain(&self.hull_cost).all(|v| v.is_finite())
-            && self.e_y_min.iter().chain(&self.e_y_max).all(|v| v.is_finite())
-            && self
-                .model
-                .iter()
-                .all(|m| m.a.iter().chain(m.b.iter()).chain(m.c.iter()).all(|v| v.is_finite()))
-            && rows.into_iter().all(|r| {
-                r.velocity.iter().all(|v| v.is_finite())
-                    && (r.steering + r.offset + r.weight + r.reference).is_finite()
-            })
+        let mut sum = naught(self.x_0.as_slice()) + naught(self.terminal_slack_weight.as_slice());
+        sum += naught(self.u_prev.as_slice()) + naught(&self.hull_cost);
+        sum += naught(&self.e_y_min) + naught(&self.e_y_max);
+        for point in &self.hull {
+            sum += naught(point.as_slice());
+        }
+        for model in &self.model {
+            sum += naught(model.a.as_slice()) + naught(model.b.as_slice());
+            sum += naught(model.c.as_slice());
+        }
+        for row in self.front.iter().chain(&self.rear) {
+            let rest = [row.steering, row.offset, row.weight, row.reference];
+            sum += naught(&row.velocity) + naught(&rest);
+        }
+        sum == 0.0
     }
 
     /// The optimal value's formula, evaluated at a trajectory: slacks as small as it allows.

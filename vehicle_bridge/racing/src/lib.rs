@@ -12,8 +12,10 @@ pub mod words;
 
 use std::sync::Arc;
 
+use controller::fhocp::{Backend, Fhocp};
 use controller::{
-    Action, Config, ConfigError, Controller, LapKind, LapResult, Measurement, Pose, Status,
+    Action, Config, ConfigError, Controller, LapKind, LapResult, Measurement, Pose, SolveStatus,
+    Status,
 };
 use vehicle_model::{
     CarParams, Discretized, Input, Model, ModelError as PlantError, ModelKind, Outline, Plant,
@@ -75,6 +77,8 @@ pub struct RaceOptions {
     pub limit: TrackLimit,
     /// Whether the race goes on after a failure from which the car can drive back.
     pub recover: bool,
+    /// Keep the problems that the structured solver does not solve to tolerance.
+    pub keep_unsolved: bool,
 }
 
 impl RaceOptions {
@@ -91,6 +95,7 @@ impl RaceOptions {
             seed: 0,
             model_error: ModelErrorAt::Now,
             recover: false,
+            keep_unsolved: false,
         }
     }
 }
@@ -119,6 +124,9 @@ pub struct Race {
     pub times: Vec<StepTime>,
     /// Failures from which the car drove back, or is driving back.
     pub incidents: Vec<Failure>,
+    /// Problems that the structured solver did not solve to tolerance, with the number of their step, if
+    /// they are kept.
+    pub unsolved: Vec<(usize, Fhocp)>,
     /// The last of them is not over.
     broken: bool,
     /// Why the race ended early, if it did.
@@ -165,6 +173,7 @@ impl Race {
             steps: Vec::new(),
             times: Vec::new(),
             incidents: Vec::new(),
+            unsolved: Vec::new(),
             broken: false,
             failure: None,
             options,
@@ -224,6 +233,9 @@ impl Race {
         let mut stopwatch = Stopwatch::start();
         let command = self.controller.step_probed(&measurement, &mut stopwatch);
         self.times.push(stopwatch.stop());
+        if self.options.keep_unsolved && unsolved(&command.status) {
+            self.unsolved.push((self.steps.len(), self.controller.problem().clone()));
+        }
         self.close_lap(&command.status);
         self.learning |= command.status.action == Action::Learned;
         let row = self.row(command.input, command.status);
@@ -328,5 +340,14 @@ impl Race {
             return;
         };
         self.failure = Some(failure);
+    }
+}
+
+/// Whether the structured solver was given a problem that it did not solve to tolerance.
+fn unsolved(status: &Status) -> bool {
+    match status.solve {
+        SolveStatus::NotRun => false,
+        SolveStatus::Solved => status.solver == Some(Backend::Clarabel),
+        _ => true,
     }
 }

@@ -1,5 +1,7 @@
 //! Options of `lmpc bench`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -7,6 +9,8 @@ Examples:
   lmpc bench                          the step by phase and the QP alone, 4, 100 and 1,000 laps
   lmpc bench --laps 4 --steps 1000    no search through many laps, but more samples
   lmpc bench --case 0 --json          the first set-up only, for a program
+  lmpc bench --case 0 --laps 4 --dump-qp out/qp   keep its optimal control problems ...
+  lmpc bench --read-qp out/qp                     ... and solve them with both solvers
 
 Times are in microseconds. Everything runs in this process and on one thread; steps in which the
 system took the processor away are counted and left out.";
@@ -29,6 +33,12 @@ pub struct BenchArgs {
     /// One set-up only: 0 and 1 are the 1:10 car with N 10, 2 with N 20, 3 the full-size car with N 60
     #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(0..=3))]
     pub case: Option<u32>,
+    /// Write the optimal control problem of each measured step to a file of its own in this folder
+    #[arg(long, value_name = "DIR")]
+    pub dump_qp: Option<PathBuf>,
+    /// Measure nothing else: solve the problems of this folder or file with both solvers, and compare
+    #[arg(long, value_name = "DIR|FILE", conflicts_with_all = ["dump_qp", "case", "laps", "initial", "steps"])]
+    pub read_qp: Option<PathBuf>,
     /// Print the results as JSON
     #[arg(long)]
     pub json: bool,

@@ -83,6 +83,10 @@ pub struct RaceArgs {
     /// What a car that leaves the track, spins or stands does to the race
     #[arg(long, value_enum, default_value = "stop", value_name = "WHAT")]
     pub on_failure: OnFailure,
+    /// Write the optimal control problems that the structured solver does not solve to tolerance to this
+    /// folder, as `lmpc bench --read-qp` reads them
+    #[arg(long, value_name = "DIR", conflicts_with = "seeds")]
+    pub dump_qp: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,

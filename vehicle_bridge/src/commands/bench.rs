@@ -1,14 +1,20 @@
 //! `lmpc bench`.
 
-use anyhow::Result;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
 
 use super::Outcome;
 use crate::cli::BenchArgs;
 use crate::console::{Talk, result};
-use step_timing::{Plan, cases, measure, text};
+use hosting::problem_file;
+use step_timing::{CaseTimes, Plan, cases, compare, compared_text, measure, text};
 
 /// Measures and prints case after case.
 pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
+    if let Some(path) = &args.read_qp {
+        return solve(path, args.json);
+    }
     let laps = args.laps.iter().map(|laps| *laps as usize).collect();
     let plan = Plan { steps: args.steps as usize, laps, initial: args.initial as usize };
     let mut all = Vec::new();
@@ -17,6 +23,9 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
             continue;
         }
         let times = measure(&case, &plan, |doing| talk.say(doing))?;
+        if let Some(folder) = &args.dump_qp {
+            dump(folder, i, &times)?;
+        }
         if !args.json {
             result(&text(&times))?;
         }
@@ -24,6 +33,28 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
     }
     if args.json {
         result(&serde_json::to_string_pretty(&all)?)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes the problems of a case.
+fn dump(folder: &Path, case: u32, times: &CaseTimes) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for (k, problem) in times.problems.iter().enumerate() {
+        let name = format!("case{case}_{}_n{}_{k:05}.json", times.car, times.horizon);
+        problem_file::write(&folder.join(name), problem)?;
+    }
+    Ok(())
+}
+
+/// Solves given problems.
+fn solve(path: &Path, json: bool) -> Result<Outcome> {
+    let compared = compare(&problem_file::read_all(path)?);
+    if json {
+        result(&serde_json::to_string_pretty(&compared)?)?;
+    } else {
+        result(&compared_text(&compared))?;
     }
     Ok(Outcome::Done)
 }

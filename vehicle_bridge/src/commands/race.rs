@@ -11,7 +11,7 @@ use super::race_table::{LapTable, head};
 use super::{Outcome, optimum, seeds, setup, vehicle};
 use crate::cli::{OnFailure, RaceArgs};
 use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
-use hosting::learned;
+use hosting::{learned, problem_file};
 use optimum_store::{Known, Store};
 use racing::raceline::{self, Raceline};
 use racing::record::{Failure, StepRow, is_fallback};
@@ -34,6 +34,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         return seeds::run(args, &options, count, known, talk);
     }
     options.seed = args.seed;
+    options.keep_unsolved = args.dump_qp.is_some();
     options.config.warm_up.seed = args.seed;
     fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
@@ -50,6 +51,9 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     }
     drive(&mut race, args.json, talk)?;
     write(&args.out, &race, &options, &lead, (known, raceline.as_ref()))?;
+    if let Some(folder) = &args.dump_qp {
+        dump(folder, &race, talk)?;
+    }
     if let Some(path) = &args.save {
         race.controller_mut().finish_learning();
         learned::save(path, race.controller())?;
@@ -84,6 +88,17 @@ fn drive(race: &mut Race, json: bool, talk: Talk) -> Result<()> {
         }
     })?;
     Ok(closed?)
+}
+
+/// Writes the problems that were not solved to tolerance.
+fn dump(folder: &Path, race: &Race, talk: Talk) -> Result<()> {
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for (step, problem) in &race.unsolved {
+        problem_file::write(&folder.join(format!("step{step:06}.json")), problem)?;
+    }
+    talk.say(&format!("{} problems written to {}", race.unsolved.len(), folder.display()));
+    Ok(())
 }
 
 /// What was run, in a sentence.

@@ -5,16 +5,19 @@
 //! (`ru_nivcsw`) are counted and left out.
 
 mod circuit;
+mod compare;
 mod qp;
 mod samples;
 mod step;
 mod table;
 
+use controller::fhocp::Fhocp;
 use controller::{Config, ConfigError, Preset};
 use serde::Serialize;
 use vehicle_model::{CarParams, Track};
 
 pub use circuit::Circuit;
+pub use compare::{Compared, compare, compared_text};
 pub use qp::QpTimes;
 pub use samples::Times;
 pub use step::StepTimes;
@@ -85,6 +88,9 @@ pub struct CaseTimes {
     pub growth: f64,
     /// The QP alone, each solver on the same problems.
     pub qp: Vec<QpTimes>,
+    /// Those problems.
+    #[serde(skip)]
+    pub problems: Vec<Fhocp>,
 }
 
 /// The shipped cases: the paper's size, a longer horizon and a full-size car, searching all laps
@@ -164,5 +170,6 @@ pub fn measure(
         growth: median(most, step::WHOLE) / whole,
         steps,
         qp,
+        problems,
     })
 }

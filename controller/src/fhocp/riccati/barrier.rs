@@ -17,7 +17,12 @@
 
 use std::ops::Range;
 
-use crate::lanes::dot;
+use crate::lanes::{dot, sum};
+
+/// Lanes of a search for the greatest.
+const LANES: usize = 4;
+/// Parts of a corrector that are tried.
+const PARTS: usize = 4;
 
 /// Rows as flat arrays of one length.
 #[derive(Debug, Clone, Default)]
@@ -45,6 +50,9 @@ pub(super) struct Barrier {
     inverse_z: Vec<f64>,
     dw: Vec<f64>,
     dz: Vec<f64>,
+    /// dw and dz of the predictor.
+    kept_dw: Vec<f64>,
+    kept_dz: Vec<f64>,
 }
 
 impl Barrier {
@@ -64,6 +72,8 @@ impl Barrier {
             &mut self.inverse_z,
             &mut self.dw,
             &mut self.dz,
+            &mut self.kept_dw,
+            &mut self.kept_dz,
         ] {
             values.resize(rows, 0.0);
         }
@@ -159,7 +169,6 @@ impl Barrier {
     #[inline(always)]
     pub(super) fn step(&self) -> f64 {
         // Greatest of -dw/w and -dz/z in independent lanes, so that it can be vectorised.
-        const LANES: usize = 4;
         let mut worst = [1.0; LANES];
         let rows = self.w.len() / LANES * LANES;
         let inverses = self.inverse_w.chunks_exact(LANES).zip(self.inverse_z.chunks_exact(LANES));
@@ -179,12 +188,88 @@ impl Barrier {
         1.0 / greatest
     }
 
-    /// The gap after a step.
+    /// Keeps the direction in place.
     #[inline(always)]
-    pub(super) fn gap_after(&self, step: f64) -> f64 {
-        self.gap()
-            + step * (dot(&self.w, &self.dz) + dot(&self.z, &self.dw))
-            + step * step * dot(&self.dw, &self.dz)
+    pub(super) fn keep(&mut self) {
+        self.kept_dw.copy_from_slice(&self.dw);
+        self.kept_dz.copy_from_slice(&self.dz);
+    }
+
+    /// The direction that is `part` of the way from the one that was kept to the one in place.
+    #[inline(always)]
+    pub(super) fn blend(&mut self, part: f64) {
+        for (d, kept) in self.dw.iter_mut().zip(&self.kept_dw) {
+            *d = kept + part * (*d - kept);
+        }
+        for (d, kept) in self.dz.iter_mut().zip(&self.kept_dz) {
+            *d = kept + part * (*d - kept);
+        }
+    }
+
+    /// The part, among some from `least` to less than 1, with the longest step of [`Barrier::blend`],
+    /// and that step.
+    #[inline(always)]
+    pub(super) fn longest(&self, least: f64) -> (f64, f64) {
+        let parts: [f64; PARTS] =
+            std::array::from_fn(|i| least + (1.0 - least) * (i as f64 / PARTS as f64));
+        let mut worst = [[1.0_f64; LANES]; PARTS];
+        let whole = self.w.len() / LANES * LANES;
+        let mut compare = |i: usize, lane: usize| {
+            let (primal, dual) =
+                (-self.kept_dw[i] * self.inverse_w[i], -self.kept_dz[i] * self.inverse_z[i]);
+            let more = (self.kept_dw[i] - self.dw[i]) * self.inverse_w[i];
+            let more_dual = (self.kept_dz[i] - self.dz[i]) * self.inverse_z[i];
+            for (worst, part) in worst.iter_mut().zip(&parts) {
+                let (primal, dual) = (primal + part * more, dual + part * more_dual);
+                let ratio = if primal > dual { primal } else { dual };
+                worst[lane] = if ratio > worst[lane] { ratio } else { worst[lane] };
+            }
+        };
+        for i in whole..self.w.len() {
+            compare(i, 0);
+        }
+        let inverses = self.inverse_w.chunks_exact(LANES).zip(self.inverse_z.chunks_exact(LANES));
+        let kept = self.kept_dw.chunks_exact(LANES).zip(self.kept_dz.chunks_exact(LANES));
+        let steps = self.dw.chunks_exact(LANES).zip(self.dz.chunks_exact(LANES));
+        for (((w, z), (kept_w, kept_z)), (dw, dz)) in inverses.zip(kept).zip(steps) {
+            let [mut primal, mut dual, mut more, mut more_dual] = [[0.0; LANES]; 4];
+            for l in 0..LANES {
+                primal[l] = -kept_w[l] * w[l];
+                dual[l] = -kept_z[l] * z[l];
+                more[l] = (kept_w[l] - dw[l]) * w[l];
+                more_dual[l] = (kept_z[l] - dz[l]) * z[l];
+            }
+            for (worst, part) in worst.iter_mut().zip(&parts) {
+                for l in 0..LANES {
+                    let (primal, dual) =
+                        (primal[l] + part * more[l], dual[l] + part * more_dual[l]);
+                    let ratio = if primal > dual { primal } else { dual };
+                    worst[l] = if ratio > worst[l] { ratio } else { worst[l] };
+                }
+            }
+        }
+        let steps = worst.map(|worst| 1.0 / worst.into_iter().fold(1.0, f64::max));
+        let longer = |best, i| if steps[i] > steps[best] { i } else { best };
+        let best = (1..PARTS).fold(0, longer);
+        (parts[best], steps[best])
+    }
+
+    /// The gap after a step, from that before it.
+    #[inline(always)]
+    pub(super) fn gap_after(&self, gap: f64, step: f64) -> f64 {
+        let mut sums = [0.0; 2 * LANES];
+        let (w, z) = (self.w.chunks_exact(2 * LANES), self.z.chunks_exact(2 * LANES));
+        let (dw, dz) = (self.dw.chunks_exact(2 * LANES), self.dz.chunks_exact(2 * LANES));
+        let (rest, rest_d) =
+            (w.remainder().iter().zip(z.remainder()), dw.remainder().iter().zip(dz.remainder()));
+        let change = |w: f64, z: f64, dw: f64, dz: f64| w * dz + dw * (z + step * dz);
+        let last: f64 = rest.zip(rest_d).map(|((w, z), (dw, dz))| change(*w, *z, *dw, *dz)).sum();
+        for ((w, z), (dw, dz)) in w.zip(z).zip(dw.zip(dz)) {
+            for l in 0..2 * LANES {
+                sums[l] += change(w[l], z[l], dw[l], dz[l]);
+            }
+        }
+        gap + step * (sum(&sums) + last)
     }
 
     /// Takes the step.

@@ -60,7 +60,7 @@ pub(super) struct Hull {
     pub(super) y: Vector6<f64>,
     /// Multiplier of the sum of weights, and its step.
     nu: f64,
-    nu_step: f64,
+    pub(super) nu_step: f64,
     /// One number of each point, for sums.
     weighted: Vec<f64>,
 }

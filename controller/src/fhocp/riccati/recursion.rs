@@ -84,7 +84,7 @@ pub(super) struct Gain {
     /// M of x_{t+1} and u_t.
     m: Matrix6x2<f64>,
     /// p of x_{t+1}.
-    gradient: Vector6<f64>,
+    pub(super) gradient: Vector6<f64>,
 }
 
 /// Factors the stages backward from the terminal curvature.

@@ -67,6 +67,25 @@ impl Point {
         self.lambda.copy_from_slice(&other.lambda);
     }
 
+    /// self = other + part (self - other)
+    #[inline(always)]
+    pub(super) fn blend(&mut self, part: f64, other: &Self) {
+        for (x, kept) in self.x.iter_mut().zip(&other.x) {
+            *x = kept + (*x - kept) * part;
+        }
+        for (u, kept) in self.u.iter_mut().zip(&other.u) {
+            *u = kept + (*u - kept) * part;
+        }
+        for (s, kept) in self.s.iter_mut().zip(&other.s) {
+            for k in 0..SOFT {
+                s[k] = kept[k] + (s[k] - kept[k]) * part;
+            }
+        }
+        for (lambda, kept) in self.lambda.iter_mut().zip(&other.lambda) {
+            *lambda = kept + (*lambda - kept) * part;
+        }
+    }
+
     /// self += step direction
     #[inline(always)]
     pub(super) fn advance(&mut self, step: f64, direction: &Self) {

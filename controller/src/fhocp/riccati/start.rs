@@ -15,13 +15,13 @@ use super::rows::{SOFT, SPEED, quantities};
 use super::stage::penalty;
 
 /// Complementarity w z of the stages' rows at the start, in units of the cost: steps.
-const MU: f64 = 3.0;
+const MU: f64 = 2.0;
 /// The same of the hull weights.
-const MU_HULL: f64 = 1.0;
+const MU_HULL: f64 = 0.5;
 /// Weight of the penalty that replaces the rows, in units of the cost.
-const PENALTY: f64 = 10.0;
+const PENALTY: f64 = 60.0;
 /// Least gap in units of the row's width.
-const LEAST_GAP: f64 = 0.05;
+const LEAST_GAP: f64 = 0.02;
 /// Regularisation of the stages' rows, see [`super::barrier`].
 const REGULARISATION: f64 = 1e-8;
 
