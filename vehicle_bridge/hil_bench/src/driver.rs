@@ -179,7 +179,7 @@ impl Source {
     /// What the operator does now.
     fn duty(&self) -> Duty {
         // Of several orders the one that began last: an earlier one was given by then.
-        let since = now().mono_ns.saturating_sub(self.start.load(Ordering::Acquire));
+        let since = now().mono.as_ns().saturating_sub(self.start.load(Ordering::Acquire));
         let begun = self.task.faults.iter().filter_map(|fault| match fault.action {
             Action::Order { order } => {
                 let (from, until) = fault.window_ns();
@@ -216,7 +216,7 @@ impl Source {
     /// Whether a fault of this kind acts now.
     fn acts(&self, is: impl Fn(&Action) -> bool) -> bool {
         let start = self.start.load(Ordering::Acquire);
-        let since = now().mono_ns.saturating_sub(start);
+        let since = now().mono.as_ns().saturating_sub(start);
         start != i64::MAX
             && self.task.faults.iter().any(|fault| {
                 let (from, until) = fault.window_ns();
@@ -257,7 +257,7 @@ impl Source {
             (progress.speed, progress.s, progress.lap) =
                 (state.vx, state.frenet.s, state.frenet.lap);
             if progress.driving_ns.is_none() && (!self.task.arming || self.operator.running) {
-                progress.driving_ns = Some(now().mono_ns);
+                progress.driving_ns = Some(now().mono.as_ns());
             }
         }
         if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {

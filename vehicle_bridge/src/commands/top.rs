@@ -37,12 +37,12 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
     let entrance = Arc::clone(&watch);
     let take = move |message: &Message<'_>| {
         let mut watch = entrance.lock().unwrap_or_else(PoisonError::into_inner);
-        watch.take(message.channel, message.payload, message.arrival.mono_ns);
+        watch.take(message.channel, message.payload, message.arrival.mono.as_ns());
     };
     network.subscribe(Filter::All, Box::new(take))?;
     let look = || -> Snapshot {
         let watch = watch.lock().unwrap_or_else(PoisonError::into_inner);
-        watch.snapshot(transport::now().mono_ns)
+        watch.snapshot(transport::now().mono.as_ns())
     };
     let stop = on_signal()?;
     let wait = |until: Instant| {

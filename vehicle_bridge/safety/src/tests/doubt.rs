@@ -70,11 +70,12 @@ fn drive_as(
         safety = next;
         (safety, output)
     };
-    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let order =
+        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     tell(&Event::State(State::default(), 2), now);
-    tell(&Event::Heartbeat(7), now);
-    tell(&Event::Setup(7, rules.setup), now);
-    tell(&order(OrderKind::Arm { moving: false, controller: 0 }), now);
+    tell(&Event::Heartbeat(CONTROLLER), now);
+    tell(&Event::Setup(CONTROLLER, rules.setup), now);
+    tell(&order(OrderKind::Arm { moving: false, controller: BootId::NONE }), now);
     tell(&order(OrderKind::Start), now);
     let mut held = Input::default();
     let mut seen = State::default();
@@ -119,15 +120,15 @@ fn drive_as(
         let silent = begun.is_some() && fault == Fault::NoStates;
         if !silent {
             tell(&Event::State(x, 2), now);
-            tell(&Event::Published(n), now);
+            tell(&Event::Published(number(n)), now);
             let input = follow(&rules, &x, speed);
             let offer = DecodedCommand {
-                boot_id: 7,
-                seq: n,
-                arrival_ns: now,
-                since_ns: now,
-                answers: Some(n),
-                token: 9,
+                boot_id: CONTROLLER,
+                seq: number(n),
+                arrival: time(now),
+                since: time(now),
+                answers: Some(number(n)),
+                token: token(9),
                 drives: true,
                 input,
                 valid_for_ns: 100 * MS,
