@@ -179,6 +179,7 @@ fn drive(
     let growth = inject(scenario, &mut programs, &mut host, begins)?;
     let crashes = programs.iter_mut().filter_map(|p| p.crashed().then(|| p.name.clone())).count();
     let ended = now().mono.as_ns();
+    let orders = driver.orders();
     drop(driver);
     let passed = proxy.passed();
     drop(programs);
@@ -189,6 +190,9 @@ fn drive(
         if fault.action.is_on_messages() && !passed.acted.contains_key(&index) {
             let channel = fault.channel.as_deref().unwrap_or("any channel");
             bail!("fault {} acted on no message of {channel}", index + 1);
+        }
+        if matches!(fault.action, Action::Order { .. }) && !orders.contains(&index) {
+            bail!("the order of fault {} was never given: another one took its time", index + 1);
         }
     }
     let log = scenario.processes.iter().find_map(|n| place.bench.process(n)?.log.clone());

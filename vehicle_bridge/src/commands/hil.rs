@@ -81,6 +81,11 @@ fn measure(args: &ProbeArgs) -> Result<()> {
         Probe::SaverKills { kills } => probe::saver_kills(&args.dir, args.seed, *kills)?,
         Probe::Saver => probe::saver(&args.dir, || Ok(result("ready")?))?,
         Probe::DamagedLog { network } => probe::damaged_log(&args.dir, args.seed, &network.url())?,
+        Probe::LoggedDrive { network } => probe::logged_drive(&args.dir, &network.url())?,
+        Probe::HostileText { network } => probe::hostile_text(&args.dir, &network.url())?,
+        Probe::SignalledCar { network, signal } => {
+            probe::signalled_car(&args.dir, &network.url(), *signal)?
+        }
     };
     for (name, value) in measured {
         result(&format!("{name} {value}"))?;
