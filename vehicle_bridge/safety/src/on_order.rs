@@ -3,6 +3,7 @@
 use lcm_types::{ArmToken, BootId, MonoTime};
 
 use super::doubt::{self, Doubt};
+use super::hold::Hold;
 use super::order::{Denied, MAX_CAP, Order, OrderKind};
 use super::rules::Rules;
 use super::step::Safety;
@@ -117,6 +118,7 @@ impl Safety {
             return Err(Denied::Place(suspicion));
         }
         (self.doubt, self.blind, self.steering) = (Doubt::default(), false, None);
+        self.hold = Hold::default();
         (self.bridge_state, self.started, self.command) = (BridgeState::Running, now, None);
         self.deadman = order.deadman.then_some(now);
         Ok(())

@@ -5,7 +5,8 @@ use vehicle_model::{Input, Limited, State};
 
 use super::command::{DecodedCommand, Reject};
 use super::controllers::Controllers;
-use super::doubt::{Doubt, Finding, Reaction, Steering, Suspicion};
+use super::doubt::{Doubt, Reaction, Steering};
+use super::hold::Hold;
 use super::published::Published;
 use super::rate::Rate;
 use super::rules::Rules;
@@ -41,6 +42,8 @@ pub struct Safety {
     pub(super) blind: bool,
     /// The stop is driven with a steering that does not do what it is told.
     pub(super) steering: Option<Steering>,
+    /// The brake that holds the car.
+    pub(super) hold: Hold,
     pub(super) speed_cap: Option<f64>,
     pub(super) applied: Option<Limited>,
     pub(super) source: InputSource,
@@ -233,66 +236,6 @@ impl Safety {
         }
     }
 
-    fn on_state(&mut self, rules: &Rules, x: &State, quality: i8, now: MonoTime) -> Answer {
-        if quality < 1 || !x.is_finite() {
-            return Answer::Rejected(Reject::NotFinite);
-        }
-        // After a gap they have not been good for long, whatever they were before it.
-        let unbroken = self.seen.filter(|_| self.is_fresh(rules, now));
-        let since = unbroken.and_then(|seen| seen.good_since).unwrap_or(now);
-        let good_since = (quality >= rules.quality).then_some(since);
-        let before = self.seen.replace(Seen { at: now, good_since, x: *x });
-        if !self.blind {
-            (self.estimate, self.estimated) = (*x, now);
-        }
-        if let Some(before) = before.filter(|_| self.bridge_state == BridgeState::Running) {
-            self.question(rules, &before, x, now);
-        }
-        if let (Some(before), Some(_)) = (before, self.steering) {
-            self.learn_steering(rules, &before, x, now);
-        }
-        if self.bridge_state == BridgeState::Boot {
-            self.bridge_state = BridgeState::Idle;
-        }
-        Answer::Accepted
-    }
-
-    /// Doubts a state, and stops the car if it must not be believed.
-    fn question(&mut self, rules: &Rules, before: &Seen, x: &State, now: MonoTime) {
-        let Some(limits) = &rules.doubt else { return };
-        let dt = now.ns_since(before.at) as f64 * 1e-9;
-        if dt <= 0.0 {
-            return;
-        }
-        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
-        let finding = self.doubt.on_state(rules, limits, (&before.x, x), applied, dt);
-        if finding.reaction() == Reaction::Stop {
-            let doubted = matches!(finding.what, Suspicion::Position | Suspicion::Heading);
-            if let Some(trusted) = self.doubt.trusted().filter(|_| doubted) {
-                (self.estimate, self.estimated, self.blind) = (trusted, now, true);
-            }
-            if finding.what == Suspicion::Steering {
-                self.steering = Some(self.doubt.steering());
-            }
-            self.leave(BridgeState::SafeStop, StopReason::Doubt(finding.what));
-        }
-    }
-
-    /// While the car is stopped for its steering, what is wrong with it becomes clearer.
-    fn learn_steering(&mut self, rules: &Rules, before: &Seen, x: &State, now: MonoTime) {
-        let Some(limits) = &rules.doubt else { return };
-        let dt = now.ns_since(before.at) as f64 * 1e-9;
-        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
-        self.doubt.on_stop(rules, limits, (&before.x, x), applied, dt);
-        self.steering = Some(self.doubt.steering());
-    }
-
-    /// The worst doubt of the present drive.
-    #[must_use]
-    pub fn finding(&self) -> Finding {
-        self.doubt.finding
-    }
-
     /// A command's checks after its form, in order.
     fn on_command(
         &mut self,
@@ -379,9 +322,10 @@ impl Safety {
             Some((input, true)) => (input, InputSource::Plan),
             None => {
                 let source = if stopped { InputSource::Stop } else { InputSource::None };
+                let (x, hold) = (&self.estimate, self.hold);
                 let brake = match self.steering.filter(|_| stopped) {
-                    Some(steering) => stop::brake_without_steering(rules, &self.estimate, steering),
-                    None => stop::brake(rules, &self.estimate),
+                    Some(steering) => stop::brake_without_steering(rules, x, hold, steering),
+                    None => stop::brake(rules, x, hold),
                 };
                 (brake, source)
             }

@@ -304,6 +304,7 @@ impl Bridge {
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
+        let creeps = self.safety.creeps();
         let relay = self.watchdog.as_ref().and_then(Watchdog::trouble).map(Arc::from);
         self.heartbeat.update(|health| {
             health.state = state;
@@ -311,7 +312,7 @@ impl Bridge {
             health.arm_token = arm_token;
             let said = &mut health.detail;
             (said.stop_reason, said.missed, said.unsent, said.car) = (reason, missed, unsent, car);
-            said.doubt = finding;
+            (said.doubt, said.creeps) = (finding, creeps);
             said.relay = relay;
             if let Some(news) = neighbours {
                 said.neighbours = news;

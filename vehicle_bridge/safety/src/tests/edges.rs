@@ -1,6 +1,7 @@
 //! Single cases at the edges, which chance does not meet or cannot tell apart.
 
 use super::*;
+use crate::hold::Hold;
 use crate::stop::{brake, reckon};
 
 fn offer() -> DecodedCommand {
@@ -160,13 +161,15 @@ fn below_half_a_metre_a_second_the_brake_stays_pressed() {
     iac.a_min = -9.0;
     let track = Arc::new(Track::builtin("l").unwrap());
     let (small, large) = (rules(), Rules::new(&iac, &track, 50 * MS));
-    let asked = |rules: &Rules, v_x: f64| brake(rules, &State { v_x, ..State::default() }).a;
+    let asked = |rules: &Rules, v_x: f64| {
+        brake(rules, &State { v_x, ..State::default() }, Hold::default()).a
+    };
     assert_eq!([0.0, 0.1].map(|v_x| asked(&small, v_x)), [-0.4, -0.4], "a fifth of 2 m/s^2");
     // Above it, braking fades with the speed.
     assert_eq!([0.499, 0.5, 1.0].map(|v_x| asked(&large, v_x)), [-1.8, -1.0, -2.0]);
     let rules = rules();
     // Left of the line it steers to the right.
-    let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() });
+    let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() }, Hold::default());
     assert!(u.a < 0.0 && u.delta < 0.0, "{u:?}");
 }
 

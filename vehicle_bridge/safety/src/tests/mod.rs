@@ -6,6 +6,7 @@ mod decode;
 mod doubt;
 mod edges;
 mod generator;
+mod hold;
 mod model;
 mod stop;
 
