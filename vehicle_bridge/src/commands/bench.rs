@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::Outcome;
 use crate::cli::BenchArgs;
-use crate::console::{Talk, result};
+use crate::console::{self, Talk, result};
 use step_timing::{Plan, cases, measure, text};
 
 /// Measures and prints case after case.
@@ -23,7 +23,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
         all.push(times);
     }
     if args.json {
-        result(&serde_json::to_string_pretty(&all)?)?;
+        console::json(&all)?;
     }
     Ok(Outcome::Done)
 }

@@ -11,7 +11,7 @@ use anyhow::Result;
 use super::Outcome;
 use super::network::{connect, on_signal};
 use crate::cli::TopArgs;
-use crate::console::{Talk, harmless, result};
+use crate::console::{self, Talk, harmless, result};
 use crate::top::{Snapshot, Watch, draw};
 use transport::{Filter, Message};
 
@@ -54,7 +54,7 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
         wait(Instant::now() + Duration::from_secs_f64(args.listen));
         let seen = look();
         if args.json {
-            result(&serde_json::to_string_pretty(&seen)?)?;
+            console::json(&seen)?;
         } else {
             for line in draw(&seen, &url, size().0) {
                 result(&line)?;
