@@ -17,6 +17,8 @@ struct Stopped {
     /// Acceleration asked for at the end. \[m/s^2\]
     asked: f64,
     state: BridgeState,
+    /// Whether it still counts as creeping after another START.
+    creeps_on: bool,
 }
 
 fn stopped(car: &CarParams, bias: f64) -> Stopped {
@@ -56,7 +58,11 @@ fn stopped(car: &CarParams, bias: f64) -> Stopped {
         end = Some((safety, output));
     }
     let (safety, output) = end.unwrap();
+    tell(&Event::Heartbeat(CONTROLLER), now);
+    tell(&order(OrderKind::Arm { moving: true, controller: BootId::NONE }), now);
+    let creeps_on = tell(&order(OrderKind::Start), now).0.creeps();
     Stopped {
+        creeps_on,
         crept: plant.progress() - at_15_s,
         speed: plant.truth().v_x,
         creeps: safety.creeps(),
@@ -76,7 +82,7 @@ fn a_car_stands_whatever_its_throttle_is_off_by_and_the_brake_can_hold() {
             let about =
                 format!("{}, {bias} m/s^2 off: {:.3} m/s, {:.3} m", car.name, end.speed, end.crept);
             assert!(end.speed < 0.01 && end.crept < 0.01, "{about}");
-            assert_eq!(end.state, BridgeState::Idle, "{about}");
+            assert_eq!((end.state, end.creeps_on), (BridgeState::Idle, false), "{about}");
             // The usual brake fades from 2 m/s to 0.5 m/s, then stays; beyond both it is pressed and
             // the car's motion named.
             assert!(end.creeps || share < 0.2, "{about}");
@@ -117,4 +123,50 @@ fn a_start_begins_with_the_usual_brake() {
     // Faster again above that is what a throttle does that closes slowly.
     let mut hold = Hold::default();
     assert!(!at(&mut hold, 1.4, 0) && !at(&mut hold, 1.8, 400) && !at(&mut hold, 0.4, 2000));
+}
+
+#[test]
+fn at_each_of_its_limits_the_brake_is_what_it_was() {
+    let rules = rules();
+    let at = |hold: &mut Hold, v_x: f64, at_ms: i64| {
+        hold.on_state(&rules, &State { v_x, ..State::default() }, time(at_ms * MS));
+        hold.creeps()
+    };
+    let after = |speeds: [(f64, i64); 3]| {
+        let mut hold = Hold::default();
+        speeds.map(|(v_x, at_ms)| at(&mut hold, v_x, at_ms))
+    };
+    assert_eq!(
+        after([(rules.still, 0), (rules.still, 4500), (rules.still, 4501)]),
+        [false, false, true]
+    );
+    let below = rules.still.next_down();
+    assert_eq!(after([(below, 0), (below, 4500), (below, 9000)]), [false; 3], "it stands");
+    assert_eq!(after([(2.0, 0), (2.0, 4500), (2.0, 9000)]), [false; 3], "too fast to be held");
+    assert_eq!(after([(0.5, 0), (0.7, 10), (0.9, 20)]), [false; 3], "not yet held");
+    let faster = 0.3 + rules.still;
+    assert_eq!(after([(0.3, 0), (faster, 10), (faster.next_up(), 20)]), [false, false, true]);
+    // What it asks for, before and after it was pressed.
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let mut iac = CarParams::builtin("iac").unwrap();
+    iac.a_min = -9.0;
+    let asked = Input { a: -0.1, delta: 0.2 };
+    for (rules, held, most) in
+        [(&rules, -0.4, 2.0), (&Rules::new(&iac, &track, 50 * MS), -1.8, 4.5)]
+    {
+        let mut hold = Hold::default();
+        let a = |hold: &Hold, v_x: f64| hold.apply(rules, v_x, asked).a;
+        assert_eq!([a(&hold, 0.5_f64.next_down()), a(&hold, 0.5)], [held, -0.1]);
+        hold.press();
+        let full = rules.limiter.a_min;
+        assert_eq!(
+            [a(&hold, 0.0), a(&hold, f64::next_down(most)), a(&hold, most)],
+            [full, full, -0.1]
+        );
+        assert!(!hold.creeps(), "nothing moved");
+        assert_eq!(
+            hold.apply(rules, 0.0, Input { a: -20.0, delta: 0.2 }),
+            Input { a: -20.0, delta: 0.2 }
+        );
+    }
 }
