@@ -144,6 +144,11 @@ fn at_each_of_its_limits_the_brake_is_what_it_was() {
     assert_eq!(after([(below, 0), (below, 4500), (below, 9000)]), [false; 3], "it stands");
     assert_eq!(after([(2.0, 0), (2.0, 4500), (2.0, 9000)]), [false; 3], "too fast to be held");
     assert_eq!(after([(0.5, 0), (0.7, 10), (0.9, 20)]), [false; 3], "not yet held");
+    assert_eq!(
+        after([(0.45, 0), (0.3, 10), (0.41, 20)]),
+        [false, false, true],
+        "since it was slowest"
+    );
     let faster = 0.3 + rules.still;
     assert_eq!(after([(0.3, 0), (faster, 10), (faster.next_up(), 20)]), [false, false, true]);
     // What it asks for, before and after it was pressed.
