@@ -36,6 +36,7 @@ pub mod channels;
 pub mod crc;
 mod error;
 pub mod eventlog;
+mod ids;
 mod message;
 #[cfg(test)]
 mod message_tests;
@@ -46,6 +47,7 @@ pub mod wire;
 
 pub use arrival::Arrival;
 pub use error::Error;
+pub use ids::{ArmToken, BootId, MonoTime, SeqNumber};
 pub use message::{Checked, Message};
 
 // What the file of random messages, shared with an example, calls this crate.

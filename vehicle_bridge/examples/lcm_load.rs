@@ -44,7 +44,7 @@ struct Seen {
 impl Seen {
     /// Counts a message: its number, its time of sending, and padding.
     fn add(&mut self, payload: &[u8]) {
-        let now = transport::now().mono_ns;
+        let now = transport::now().mono.as_ns();
         let Some((number, rest)) = payload.split_first_chunk() else { return };
         let Some(sent) = rest.first_chunk() else { return };
         self.latency_us.push((now - i64::from_ne_bytes(*sent)) as f64 / 1000.0);
@@ -99,13 +99,13 @@ fn publish(
     size: usize,
 ) -> Result<(), Box<dyn Error>> {
     let mut message = vec![0; size.max(12)];
-    let begin = transport::now().mono_ns;
+    let begin = transport::now().mono.as_ns();
     for number in 0..count {
         let due = begin + (f64::from(number) * 1e9 / rate) as i64;
         let due = TimeSpec::new(due / 1_000_000_000, due % 1_000_000_000);
         clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &due)?;
         message[..4].copy_from_slice(&number.to_ne_bytes());
-        message[4..12].copy_from_slice(&transport::now().mono_ns.to_ne_bytes());
+        message[4..12].copy_from_slice(&transport::now().mono.as_ns().to_ne_bytes());
         network.publish("LOAD", &message)?;
     }
     for _ in 0..5 {

@@ -24,7 +24,7 @@ fn send(network: &dyn Transport, tick: i64, bytes: &mut Vec<u8>) -> Result<(), B
     let now = transport::now();
     let header = |seq| Header {
         utime: now.utime,
-        mono_ns: now.mono_ns,
+        mono_ns: now.mono.as_ns(),
         seq,
         boot_id: 1,
         sender: "traffic@example".to_owned(),

@@ -30,6 +30,20 @@ pub fn result(line: &str) -> io::Result<()> {
     writeln!(anstream::stdout(), "{}", harmless(line))
 }
 
+/// A value as JSON on standard output. What JSON leaves as it is but a terminal obeys is escaped as in JSON.
+///
+/// # Errors
+/// If standard output is closed.
+pub fn json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    writeln!(anstream::stdout(), "{}", harmless_json(&serde_json::to_string_pretty(value)?))?;
+    Ok(())
+}
+
+fn harmless_json(text: &str) -> String {
+    let escaped = |c: char| if is_bad(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    text.chars().map(escaped).collect()
+}
+
 /// Talk on standard error.
 #[derive(Debug, Clone, Copy)]
 pub struct Talk {
@@ -60,12 +74,6 @@ const OURS: [&str; 7] =
 /// turn the writing round.
 #[must_use]
 pub fn harmless(text: &str) -> Cow<'_, str> {
-    let is_bad = |c: char| match c {
-        '\n' | '\t' => false,
-        // Those that change the direction of writing, and those that end a line in some terminals.
-        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}' => true,
-        c => c.is_control(),
-    };
     if !text.contains(is_bad) {
         return Cow::Borrowed(text);
     }
@@ -89,9 +97,28 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(clean)
 }
 
+/// Whether a terminal does something else with it than to show it.
+fn is_bad(c: char) -> bool {
+    match c {
+        '\n' | '\t' => false,
+        // Those that change the direction of writing, and those that end a line in some terminals.
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}' => true,
+        c => c.is_control(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn json_stays_json_and_controls_no_terminal() {
+        let text = "a\x1b[2J\u{9b}2J\u{202e}b\u{2028}\x7f\n\u{e9}";
+        let value = serde_json::json!({ "text": text, "list": [1, 2] });
+        let shown = harmless_json(&serde_json::to_string_pretty(&value).unwrap());
+        assert!(!shown.contains(is_bad), "{shown:?}");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).unwrap(), value);
+    }
 
     #[test]
     fn our_styles_pass_and_nothing_else_that_controls_a_terminal() {

@@ -81,7 +81,7 @@ fn an_armed_controller_drives_a_lap_and_when_it_dies_the_car_stops() {
         let stopped = std::iter::from_fn(|| reports.wait(PATIENCE))
             .find(|r| ActuationReport::open(&r.payload).unwrap().source == 3)
             .expect("a safe stop");
-        let took = stopped.arrival.mono_ns - last.arrival.mono_ns;
+        let took = stopped.arrival.mono.as_ns() - last.arrival.mono.as_ns();
         assert!((0..MOST_NS).contains(&took), "{took} ns from the last command to the safe stop");
         #[allow(clippy::print_stdout, reason = "a figure, seen with --nocapture")]
         {

@@ -82,6 +82,60 @@ fn damaged_logs_and_killed_savers_and_a_missing_route_do_no_harm() {
     assert!(output.status.success() && text.ends_with("PASS\n"), "{text} {output:?}");
 }
 
+#[test]
+fn hostile_texts_logs_and_signals_of_a_real_cars_bridge_are_scenarios_that_pass() {
+    let names = ["escape sequences", "serve --log", "vehicle car ended by SIGHUP"];
+    let more: Vec<&str> = names.iter().flat_map(|name| ["--scenario", name]).collect();
+    let (output, _) = run(&bench("doubt.toml"), "hil-doubt", &more);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.ends_with("PASS\n"), "{text} {output:?}");
+}
+
+/// `bench/doubt.toml` with its scenario `every second command alone comes` for a second, and this as
+/// its faults.
+fn doubted(name: &str, faults: &str) -> PathBuf {
+    let text = std::fs::read_to_string(bench("doubt.toml")).unwrap();
+    let at = text.find("name = \"every second command alone comes\"").unwrap();
+    let (head, tail) = text.split_at(at);
+    let fault = "fault = [{ channel = \"LMPC/CMD\", action = { every = { n = 2 } } }]";
+    assert!(tail.contains(fault));
+    let tail = tail.replacen(fault, faults, 1).replacen("observe_s = 5", "observe_s = 1", 1);
+    let tail = tail.replacen("most = 0 }, { m", "least = 0 }, { m", 1);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, format!("{head}{tail}")).unwrap();
+    std::fs::copy(bench("car.toml"), file.with_file_name("car.toml")).unwrap();
+    file
+}
+
+#[test]
+fn a_fault_that_acts_on_nothing_fails_its_scenario() {
+    let order =
+        |at_s: f64| format!("{{ at_s = {at_s}, action = {{ order = {{ order = \"stop\" }} }} }}");
+    let estop = "{ at_s = 0.3, for_s = 0.4, action = { order = { order = \"estop\" } } }";
+    for (name, faults, broken) in [
+        (
+            "misspelt.toml",
+            "fault = [{ channel = \"LMPC/CDM\", action = { drop = {} } }]".to_owned(),
+            Some("fault 1 acted on no message of LMPC/CDM"),
+        ),
+        ("two-orders.toml", format!("fault = [{}, {estop}]", order(0.0)), None),
+        (
+            "covered-order.toml",
+            format!("fault = [{}, {}]", order(0.3), order(0.3)),
+            Some("the order of fault 1 was never given"),
+        ),
+    ] {
+        let file = doubted(name, &faults);
+        let (output, out) = run(&file, &format!("hil-{name}"), &["--scenario", "every second"]);
+        assert_eq!(output.status.code(), Some(i32::from(broken.is_some())), "{name} {output:?}");
+        let junit = std::fs::read_to_string(out.join("junit.xml")).unwrap();
+        assert!(broken.is_none_or(|broken| junit.contains(broken)), "{name}: {junit}");
+    }
+    let nothing = "fault = [{ channel = \"LMPC/CMD\", share = 0.0, action = { drop = {} } }]";
+    let problems = format!("{:?}", check_file(&doubted("no-share.toml", nothing)).problems);
+    assert!(problems.contains("share is 0"), "{problems}");
+}
+
 /// A bench of one scenario that is a program.
 fn program(name: &str, scenario: &str) -> PathBuf {
     let text = std::fs::read_to_string(bench("host.toml")).unwrap();

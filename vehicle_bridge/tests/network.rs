@@ -6,7 +6,7 @@ use std::time::Duration;
 use common::{MULTICAST, Program, URL, isolated};
 use controller::{Action, Config, Controller};
 use lcm_types::eventlog::Writer;
-use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
+use lcm_types::{ActuationCommand, Checked as _, SeqNumber, VehicleState, channels};
 use racing::{Race, RaceOptions, change_plant};
 use services::replay::replay;
 use transport::{Filter, Inbox};
@@ -141,6 +141,9 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         let found = again(SEED);
         assert!(found.is_identical() && found.commands == STEPS as u64, "{found:?}");
         let found = again(SEED + 1);
-        assert!(!found.is_identical() && found.first_difference == Some(0), "{found:?}");
+        assert!(
+            !found.is_identical() && found.first_difference == Some(SeqNumber::default()),
+            "{found:?}"
+        );
     });
 }

@@ -7,7 +7,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use auth::{Key, Signed};
-use lcm_types::{ActuationCommand, ActuationReport, Checked as _, Header, VehicleState, channels};
+use lcm_types::{
+    ActuationCommand, ActuationReport, ArmToken, BootId, Checked as _, Header, MonoTime, SeqNumber,
+    VehicleState, channels,
+};
 use safety::{Event, Order, OrderKind, Rules, Safety, decode, step};
 use transport::{Arrival, Error, Filter, Inbox, Message, Sink, Statistics, Transport};
 use vehicle_model::{CarParams, State, Track};
@@ -104,24 +107,27 @@ impl Bridge {
         let car = CarParams::builtin("barc").unwrap();
         let track = Arc::new(Track::builtin("l").unwrap());
         let mut rules = Rules::new(&car, &track, 10 * MS);
-        rules.boot_id = 5;
+        rules.boot_id = BootId::new(5);
         let mut bridge = Self { rules, safety: Safety::default(), network };
         let still = State::default();
         for at_ns in (0..1_200 * MS).step_by(10 * MS as usize) {
             bridge.on(&Event::State(still, 2), at_ns);
         }
         let now_ns = 1_190 * MS;
-        bridge.on(&Event::Heartbeat(CONTROLLER), now_ns);
+        let controller = BootId::new(CONTROLLER);
+        bridge.on(&Event::Heartbeat(controller), now_ns);
         let setup = bridge.rules.setup;
-        bridge.on(&Event::Setup(CONTROLLER, setup), now_ns);
-        for kind in [OrderKind::Arm { moving: false, controller: 0 }, OrderKind::Start] {
-            bridge.on(&Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 }), now_ns);
+        bridge.on(&Event::Setup(controller, setup), now_ns);
+        for kind in [OrderKind::Arm { moving: false, controller: BootId::NONE }, OrderKind::Start] {
+            let token = ArmToken::new(9);
+            let order = Order { kind, token, deadman: false, fresh: token };
+            bridge.on(&Event::Order(order), now_ns);
         }
         bridge
     }
 
     fn on(&mut self, event: &Event<'_>, at_ns: i64) -> safety::Output {
-        let (next, output) = step(&self.rules, &self.safety, event, at_ns);
+        let (next, output) = step(&self.rules, &self.safety, event, MonoTime::from_ns(at_ns));
         self.safety = next;
         output
     }
@@ -129,8 +135,8 @@ impl Bridge {
     fn tick(&mut self, n: i64, bytes: &[u8]) {
         let at_ns = 1_200 * MS + 10 * MS * n;
         self.on(&Event::State(State::default(), 2), at_ns);
-        self.on(&Event::Published(n), at_ns);
-        let offer = decode(bytes, at_ns, &self.rules, "elsewhere").unwrap();
+        self.on(&Event::Published(SeqNumber::new(n)), at_ns);
+        let offer = decode(bytes, MonoTime::from_ns(at_ns), &self.rules, "elsewhere").unwrap();
         self.on(&Event::Command(&offer), at_ns);
         let output = self.on(&Event::Tick, at_ns);
         let h =

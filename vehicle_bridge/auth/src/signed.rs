@@ -98,7 +98,7 @@ impl Signed {
     /// cannot be started.
     pub fn new(network: Arc<dyn Transport>, key: Key) -> anyhow::Result<Self> {
         let start = number()?;
-        let peers = Peers::new(start, [number()?, number()?], transport::now().mono_ns);
+        let peers = Peers::new(start, [number()?, number()?], transport::now().mono.as_ns());
         let (seq, peers) = (AtomicI64::new(0), Mutex::new(peers));
         let met = (Mutex::new(true), Condvar::new());
         let counts = Counts::default();
@@ -171,7 +171,7 @@ impl Shared {
             return;
         }
         let Ok(hello) = Hello::decode(payload) else { return };
-        let now_ns = transport::now().mono_ns;
+        let now_ns = transport::now().mono.as_ns();
         if lock(&self.peers).greet(&hello, (start, seq), now_ns) {
             *lock(&self.met.0) = true;
             self.met.1.notify_one();
@@ -185,15 +185,15 @@ impl Shared {
             let now = transport::now();
             let mut hello = {
                 let mut peers = lock(&self.peers);
-                if peers.wants_challenge(now.mono_ns)
+                if peers.wants_challenge(now.mono.as_ns())
                     // Without random numbers the old challenge stays, and nobody new is believed.
                     && let Ok(challenge) = number()
                 {
-                    peers.challenge(challenge, now.mono_ns);
+                    peers.challenge(challenge, now.mono.as_ns());
                 }
-                peers.hello(now.mono_ns)
+                peers.hello(now.mono.as_ns())
             };
-            let (utime, mono_ns) = (now.utime, now.mono_ns);
+            let (utime, mono_ns) = (now.utime, now.mono.as_ns());
             hello.h = Header { utime, mono_ns, boot_id: self.start, ..Header::default() };
             if hello.encode_into(&mut buffer).is_ok() {
                 // The next greeting follows soon.
@@ -262,7 +262,7 @@ impl Gate {
         if start == self.shared.start {
             return Err(None); // our own, come back
         }
-        let now_ns = transport::now().mono_ns;
+        let now_ns = transport::now().mono.as_ns();
         let peers = lock(&self.shared.peers);
         if !peers.believes((start, seq), now_ns) {
             return Err(Some(2));

@@ -1,5 +1,6 @@
 //! The reference driver and the operator: commands and orders by the real protocol.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -62,6 +63,7 @@ pub(super) struct Task {
 /// The running thread; ends when dropped.
 pub(super) struct Driver {
     progress: Arc<Mutex<Progress>>,
+    orders: Arc<Mutex<BTreeSet<usize>>>,
     _worker: Worker,
 }
 
@@ -73,11 +75,13 @@ impl Driver {
         let names = [channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
         let names = names.map(str::to_owned).to_vec();
         network.subscribe(Filter::Only(names), inbox.sink())?;
+        let operator = Operator::new(network);
+        let orders = operator.sent();
         let mut source = Source {
             inbox,
             network: Arc::clone(network),
             out: Outlets::new(network),
-            operator: Operator::new(network),
+            operator,
             task,
             start: Arc::clone(start),
             progress: Arc::clone(&progress),
@@ -87,7 +91,12 @@ impl Driver {
             let _ = realtime::prioritise(realtime::RECEIVE_PRIORITY);
             source.run(stop);
         })?;
-        Ok(Self { progress, _worker: worker })
+        Ok(Self { progress, orders, _worker: worker })
+    }
+
+    /// Faults whose order the operator gave, by their place in the scenario.
+    pub(super) fn orders(&self) -> BTreeSet<usize> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// How far it is.
@@ -179,17 +188,17 @@ impl Source {
     /// What the operator does now.
     fn duty(&self) -> Duty {
         // Of several orders the one that began last: an earlier one was given by then.
-        let since = now().mono_ns.saturating_sub(self.start.load(Ordering::Acquire));
-        let begun = self.task.faults.iter().filter_map(|fault| match fault.action {
+        let since = now().mono.as_ns().saturating_sub(self.start.load(Ordering::Acquire));
+        let faults = self.task.faults.iter().enumerate();
+        let begun = faults.filter_map(|(index, fault)| match fault.action {
             Action::Order { order } => {
                 let (from, until) = fault.window_ns();
-                (self.stopping() && (from..until).contains(&since)).then_some((from, order))
+                (self.stopping() && (from..until).contains(&since)).then_some((from, index, order))
             }
             _ => None,
         });
-        let order = begun.max_by_key(|(from, _)| *from).map(|(_, order)| order);
-        match order {
-            Some(order) => Duty::Give(order),
+        match begun.max_by_key(|(from, index, _)| (*from, *index)) {
+            Some((_, index, order)) => Duty::Give(index, order),
             None if self.task.arming && (!self.stopping() || self.rearms()) => Duty::Drive,
             None => Duty::Watch,
         }
@@ -216,7 +225,7 @@ impl Source {
     /// Whether a fault of this kind acts now.
     fn acts(&self, is: impl Fn(&Action) -> bool) -> bool {
         let start = self.start.load(Ordering::Acquire);
-        let since = now().mono_ns.saturating_sub(start);
+        let since = now().mono.as_ns().saturating_sub(start);
         start != i64::MAX
             && self.task.faults.iter().any(|fault| {
                 let (from, until) = fault.window_ns();
@@ -257,7 +266,7 @@ impl Source {
             (progress.speed, progress.s, progress.lap) =
                 (state.vx, state.frenet.s, state.frenet.lap);
             if progress.driving_ns.is_none() && (!self.task.arming || self.operator.running) {
-                progress.driving_ns = Some(now().mono_ns);
+                progress.driving_ns = Some(now().mono.as_ns());
             }
         }
         if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {

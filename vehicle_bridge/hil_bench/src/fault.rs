@@ -289,8 +289,11 @@ impl Fault {
         if !(self.at_s >= 0.0 && self.for_s.is_none_or(|length| length > 0.0)) {
             problems.push("fault: at_s must be 0 or above, for_s above 0".to_owned());
         }
-        if !(0.0..=1.0).contains(&self.share) {
-            problems.push(format!("fault: share is {}, expected 0 to 1", self.share));
+        if !(self.share > 0.0 && self.share <= 1.0) {
+            problems.push(format!(
+                "fault: share is {}, expected above 0, at most 1: with 0 it acts on nothing",
+                self.share
+            ));
         }
         if let Action::Kill { process }
         | Action::Interrupt { process, .. }

@@ -29,6 +29,20 @@ pub enum EndSignal {
     Quit,
 }
 
+impl std::str::FromStr for EndSignal {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "int" => Ok(Self::Int),
+            "term" => Ok(Self::Term),
+            "hup" => Ok(Self::Hup),
+            "quit" => Ok(Self::Quit),
+            other => Err(format!("`{other}` is no signal; expected int, term, hup or quit")),
+        }
+    }
+}
+
 /// Messages that are forged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]

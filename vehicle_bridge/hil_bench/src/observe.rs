@@ -256,6 +256,24 @@ mod tests {
     }
 
     #[test]
+    fn a_stop_in_the_first_report_after_the_fault_is_a_trip() {
+        let track = Track::builtin("l").unwrap();
+        let car = vehicle_model::CarParams::builtin("barc").unwrap();
+        let (limiter, edges) = (Limiter::new(&car), Edges::new(&car, TrackLimit::Body));
+        let rule = Rule { limiter, edges, track: &track, latching: true };
+        let trips = |sources: &[i8]| {
+            let reports = sources.iter().zip(0..).map(|(source, tick)| report(tick, *source, 0.0));
+            let heard = Heard { reports: reports.collect(), ..Heard::default() };
+            heard.values(5 * MS, &Passed::default(), &rule).get(Measure::Trips)
+        };
+        // The fault begins between the first report and the second.
+        assert_eq!(trips(&[1, 3, 3]), Some(1.0));
+        assert_eq!(trips(&[1, 1, 3]), Some(1.0));
+        assert_eq!(trips(&[3, 3, 3]), Some(0.0), "it stood before");
+        assert_eq!(trips(&[1, 1, 1]), Some(0.0));
+    }
+
+    #[test]
     fn a_body_beyond_the_edge_is_off_the_track() {
         let track = Track::builtin("l").unwrap();
         let car = vehicle_model::CarParams::builtin("barc").unwrap();

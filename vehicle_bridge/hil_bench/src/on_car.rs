@@ -112,9 +112,9 @@ impl FaultyCar {
     fn tell_truth(&mut self) {
         let (x, applied) = (self.vehicle.truth(), self.vehicle.applied());
         let h = self.truth.header();
-        let (mono_ns, lap) = (h.mono_ns, i32::try_from(self.vehicle.lap()).unwrap_or(0));
+        let (at, lap) = (h.sent(), i32::try_from(self.vehicle.lap()).unwrap_or(0));
         let message: VehicleState =
-            convert::state_message(h, mono_ns, &x, applied, self.vehicle.track(), lap);
+            convert::state_message(h, at, &x, applied, self.vehicle.track(), lap);
         // For the verdict alone.
         let _ = self.truth.send_sealed(&message);
     }
@@ -155,7 +155,7 @@ impl Vehicle for FaultyCar {
         }
         self.tell_truth();
         let mut x = self.vehicle.measure();
-        let (now_ns, track) = (now().mono_ns, Arc::clone(self.vehicle.track()));
+        let (now_ns, track) = (now().mono.as_ns(), Arc::clone(self.vehicle.track()));
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
             let Active { fault, memory, random, frozen } = active;
             if fault.action == (Action::Freeze {}) {
@@ -175,7 +175,7 @@ impl Vehicle for FaultyCar {
     }
 
     fn apply(&mut self, mut u: Input, dt: f64) -> Result<(), VehicleError> {
-        let now_ns = now().mono_ns;
+        let now_ns = now().mono.as_ns();
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
             let Active { fault, memory, random, .. } = active;
             let place = match fault.action.field() {

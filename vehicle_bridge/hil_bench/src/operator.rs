@@ -1,6 +1,7 @@
 //! The operator of a run: arms, starts, holds the dead man's switch, gives the faults' orders.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use lcm_types::{Heartbeat, OperatorAck, OperatorCommand, channels};
@@ -18,8 +19,8 @@ const ESTOP_TIMES: u32 = 3;
 pub(super) enum Duty {
     /// Arms and starts, if the car does not drive yet.
     Drive,
-    /// An order, until it is answered.
-    Give(Order),
+    /// The order of the fault with this place in the scenario, until it is answered.
+    Give(usize, Order),
     /// Nothing more than the switch.
     Watch,
 }
@@ -44,9 +45,11 @@ pub(super) struct Operator {
     pub(super) running: bool,
     next: Instant,
     request: i64,
-    /// The order that waits for its answer, and its number.
-    given: Option<(Order, i64)>,
+    /// The fault whose order waits for its answer, and the order's number.
+    given: Option<(usize, i64)>,
     answered: i64,
+    /// Faults whose order was sent.
+    sent: Arc<Mutex<BTreeSet<usize>>>,
 }
 
 impl Operator {
@@ -59,7 +62,13 @@ impl Operator {
             request: 0,
             given: None,
             answered: 0,
+            sent: Arc::default(),
         }
+    }
+
+    /// Faults whose order was sent, by their place in the scenario.
+    pub(super) fn sent(&self) -> Arc<Mutex<BTreeSet<usize>>> {
+        Arc::clone(&self.sent)
     }
 
     /// The bridge answered.
@@ -82,7 +91,7 @@ impl Operator {
                 self.request += 1;
                 self.say(self.request, command, !arm && switch == Switch::Held);
             }
-            Duty::Give(order) => self.give(order),
+            Duty::Give(fault, order) => self.give(fault, order),
             Duty::Drive | Duty::Watch => {}
         }
         if self.running && switch != Switch::Silent {
@@ -91,12 +100,13 @@ impl Operator {
         }
     }
 
-    fn give(&mut self, order: Order) {
+    fn give(&mut self, fault: usize, order: Order) {
         let number = match self.given {
-            Some((given, number)) if given == order => number,
+            Some((given, number)) if given == fault => number,
             _ => {
                 self.request += 1;
-                self.given = Some((order, self.request));
+                self.given = Some((fault, self.request));
+                self.sent.lock().unwrap_or_else(PoisonError::into_inner).insert(fault);
                 self.request
             }
         };

@@ -51,12 +51,7 @@ impl Program {
     /// Asks it to end: its end is no crash.
     pub(super) fn interrupt(&mut self, signal: EndSignal) {
         self.ended = true;
-        self.signal(match signal {
-            EndSignal::Int => Signal::SIGINT,
-            EndSignal::Term => Signal::SIGTERM,
-            EndSignal::Hup => Signal::SIGHUP,
-            EndSignal::Quit => Signal::SIGQUIT,
-        });
+        self.signal(signal_of(signal));
     }
 
     pub(super) fn stop(&mut self) {
@@ -112,6 +107,16 @@ impl Drop for Program {
             std::thread::sleep(Duration::from_millis(5));
         }
         self.kill();
+    }
+}
+
+/// The system's signal of this name.
+pub(super) fn signal_of(signal: EndSignal) -> Signal {
+    match signal {
+        EndSignal::Int => Signal::SIGINT,
+        EndSignal::Term => Signal::SIGTERM,
+        EndSignal::Hup => Signal::SIGHUP,
+        EndSignal::Quit => Signal::SIGQUIT,
     }
 }
 

@@ -129,7 +129,7 @@ impl Forwarder {
                     self.forward(&received, 1 - from);
                 }
             }
-            let time = now().mono_ns;
+            let time = now().mono.as_ns();
             self.release(time);
             self.attack(time);
         }
@@ -137,7 +137,7 @@ impl Forwarder {
 
     fn wait(&self) {
         let busy = self.faults.iter().any(|active| active.fault.action.is_storm());
-        let time = now().mono_ns;
+        let time = now().mono.as_ns();
         let due = self.waiting.iter().map(|w| (w.0 - time).max(0) / 1_000_000).min();
         let longest = if busy { 1 } else { 20 };
         let timeout = due.map_or(longest, |ms| ms.clamp(1, longest));
@@ -176,7 +176,7 @@ impl Forwarder {
             return;
         }
         let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
-        passed.note(channel, message, now().mono_ns, lost);
+        passed.note(channel, message, now().mono.as_ns(), lost);
     }
 
     /// Notes that a fault had something to act on.
@@ -186,7 +186,7 @@ impl Forwarder {
     }
 
     fn forward(&mut self, received: &[u8], to: usize) {
-        let time = now().mono_ns;
+        let time = now().mono.as_ns();
         let start = self.start.load(Ordering::Acquire);
         let channel = parts(received).map_or("", |(channel, _)| channel).to_owned();
         let mut bytes = received.to_vec();

@@ -178,7 +178,8 @@ fn drive(
     start.store(begins, Ordering::Release);
     let growth = inject(scenario, &mut programs, &mut host, begins)?;
     let crashes = programs.iter_mut().filter_map(|p| p.crashed().then(|| p.name.clone())).count();
-    let ended = now().mono_ns;
+    let ended = now().mono.as_ns();
+    let orders = driver.orders();
     drop(driver);
     let passed = proxy.passed();
     drop(programs);
@@ -189,6 +190,9 @@ fn drive(
         if fault.action.is_on_messages() && !passed.acted.contains_key(&index) {
             let channel = fault.channel.as_deref().unwrap_or("any channel");
             bail!("fault {} acted on no message of {channel}", index + 1);
+        }
+        if matches!(fault.action, Action::Order { .. }) && !orders.contains(&index) {
+            bail!("the order of fault {} was never given: another one took its time", index + 1);
         }
     }
     let log = scenario.processes.iter().find_map(|n| place.bench.process(n)?.log.clone());
@@ -218,13 +222,13 @@ fn wait(scenario: &Scenario, driver: &Driver, phase: f64) -> Result<i64> {
     loop {
         let Progress { driving_ns, speed, s, lap, refusal } = driver.progress();
         if when.refused.as_ref().is_some_and(|why| refusal.contains(why)) {
-            return Ok(now().mono_ns);
+            return Ok(now().mono.as_ns());
         }
         if let Some(begun) = driving_ns {
             let due = begun + nanoseconds(when.driving_s + phase);
             let there = when.s_m.is_none_or(|at| (at..at + NEAR).contains(&s));
-            if now().mono_ns >= due && speed >= when.speed_mps && lap >= when.lap && there {
-                return Ok(now().mono_ns);
+            if now().mono.as_ns() >= due && speed >= when.speed_mps && lap >= when.lap && there {
+                return Ok(now().mono.as_ns());
             }
         }
         if Instant::now() > patience {
@@ -256,8 +260,8 @@ fn inject(
     let (before, mut most) = (memory(programs), 0.0_f64);
     let end = begins + nanoseconds(scenario.observe_s);
     let mut begun: Vec<Option<i64>> = vec![None; scenario.faults.len()];
-    while now().mono_ns < end {
-        let since = now().mono_ns - begins;
+    while now().mono.as_ns() < end {
+        let since = now().mono.as_ns() - begins;
         for (fault, begun) in scenario.faults.iter().zip(&mut begun) {
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;

@@ -53,7 +53,7 @@ impl Watch {
                 }
                 let _ = realtime::prioritise(PRIORITY);
                 while !stop.load(Ordering::Relaxed) {
-                    let (begun, due) = (now().mono_ns, Instant::now() + BEAT);
+                    let (begun, due) = (now().mono.as_ns(), Instant::now() + BEAT);
                     std::thread::sleep(BEAT);
                     let late = Instant::now().saturating_duration_since(due).as_nanos();
                     let late = i64::try_from(late).unwrap_or(i64::MAX);
@@ -72,7 +72,7 @@ impl Watch {
     pub(super) fn undisturbed(&self, run: impl Fn() -> Outcome) -> Outcome {
         let mut disturbed = Vec::new();
         loop {
-            let begun_ns = now().mono_ns;
+            let begun_ns = now().mono.as_ns();
             let mut outcome = run();
             let again = outcome.excusable && disturbed.len() < AGAIN;
             let Some(stall_ns) = self.longest(begun_ns).filter(|_| again) else {

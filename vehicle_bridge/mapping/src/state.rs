@@ -294,13 +294,13 @@ impl Mapping {
                 .time
                 .as_ref()
                 .map(|(path, unit)| path.get(&value).and_then(|value| nanoseconds(value, *unit)));
-            source.last = Some((value, at.mono_ns));
+            source.last = Some((value, at.mono.as_ns()));
             if index != map.main {
                 continue;
             }
             let meas_mono_ns = match time {
-                None => at.mono_ns,
-                Some(Some(theirs_ns)) => match map.time(theirs_ns, at.mono_ns) {
+                None => at.mono.as_ns(),
+                Some(Some(theirs_ns)) => match map.time(theirs_ns, at.mono.as_ns()) {
                     Some(ours) => ours,
                     None => {
                         map.counts.old += 1;
@@ -312,7 +312,7 @@ impl Mapping {
                     continue;
                 }
             };
-            let state = map.state(at.mono_ns);
+            let state = map.state(at.mono.as_ns());
             map.counts.states += u64::from(state.is_some());
             map.counts.incomplete += u64::from(state.is_none());
             found = state.map(|state| VehicleState {

@@ -84,7 +84,10 @@ fn message(kind: &str, values: &[(&str, Value)]) -> Vec<u8> {
 }
 
 fn at(milliseconds: i64) -> Arrival {
-    Arrival { utime: milliseconds * 1000, mono_ns: milliseconds * 1_000_000 }
+    Arrival {
+        utime: milliseconds * 1000,
+        mono: lcm_types::MonoTime::from_ns(milliseconds * 1_000_000),
+    }
 }
 
 fn near(found: f64, expected: f64) {

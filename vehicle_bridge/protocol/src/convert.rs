@@ -1,7 +1,9 @@
 //! States and commands: between the messages and the controller's own types.
 
 use controller::{Config, Measurement, Plan, Pose};
-use lcm_types::{ActuationCommand, Frenet, Header, VehicleState, crc};
+use lcm_types::{
+    ActuationCommand, ArmToken, BootId, Frenet, Header, MonoTime, SeqNumber, VehicleState, crc,
+};
 use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
 /// Measurement times this near to a whole number of periods are whole numbers of periods. \[ns\]
@@ -50,7 +52,7 @@ pub fn seconds(nanoseconds: i64, period: f64) -> f64 {
 #[must_use]
 pub fn state_message(
     h: Header,
-    meas_mono_ns: i64,
+    measured: MonoTime,
     x: &State,
     applied: Input,
     track: &Track,
@@ -59,7 +61,7 @@ pub fn state_message(
     let pose = track.to_global(x);
     VehicleState {
         meas_utime: h.utime,
-        meas_mono_ns,
+        meas_mono_ns: measured.as_ns(),
         valid: VehicleState::POSE | VehicleState::VEL | VehicleState::FRENET | VehicleState::STEER,
         quality: 2,
         x: pose.x,
@@ -124,19 +126,23 @@ pub fn measurement(
 /// The state a command answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Answered {
-    /// `boot_id` of its sender. \[-\]
-    pub boot_id: i64,
-    /// Its number. \[-\]
-    pub seq: i64,
-    /// When it was measured, its sender's clock. \[ns\]
-    pub mono_ns: i64,
+    /// Its sender.
+    pub boot_id: BootId,
+    /// Its number.
+    pub seq: SeqNumber,
+    /// When it was measured, its sender's clock.
+    pub measured: MonoTime,
 }
 
 impl Answered {
     /// Of this state.
     #[must_use]
     pub fn of(state: &VehicleState) -> Self {
-        Self { boot_id: state.h.boot_id, seq: state.h.seq, mono_ns: state.meas_mono_ns }
+        Self {
+            boot_id: state.h.sender_start(),
+            seq: state.h.number(),
+            measured: MonoTime::from_ns(state.meas_mono_ns),
+        }
     }
 }
 
@@ -155,8 +161,8 @@ pub struct CommandDraft<'a> {
     pub period: f64,
     /// How long the command may be used. \[us\]
     pub valid_for_us: i32,
-    /// The bridge's grant, 0 where none is heard. \[-\]
-    pub arm_token: i64,
+    /// The bridge's grant, if any is heard.
+    pub arm_token: ArmToken,
 }
 
 impl CommandDraft<'_> {
@@ -170,11 +176,11 @@ impl CommandDraft<'_> {
         let inputs = &inputs[..inputs.len().min(steps as usize)];
         ActuationCommand {
             h,
-            state_boot_id: self.answered.boot_id,
-            state_seq: self.answered.seq,
-            state_mono_ns: self.answered.mono_ns,
+            state_boot_id: self.answered.boot_id.get(),
+            state_seq: self.answered.seq.get(),
+            state_mono_ns: self.answered.measured.as_ns(),
             valid_for_us: self.valid_for_us,
-            arm_token: self.arm_token,
+            arm_token: self.arm_token.get(),
             enable: self.mode == ActuationCommand::MODE_DRIVE,
             mode: self.mode,
             accel: self.input.a,
@@ -220,7 +226,8 @@ mod tests {
     fn a_state_comes_back_in_the_same_bits_in_either_frame() {
         let track = Track::builtin("l").unwrap();
         let x = State { v_x: 2.1, v_y: -0.03, omega_z: 0.7, e_psi: 0.1, s: 7.3, e_y: -0.2 };
-        let mut sent = state_message(Header::default(), 5, &x, Input::default(), &track, 2);
+        let mut sent =
+            state_message(Header::default(), MonoTime::from_ns(5), &x, Input::default(), &track, 2);
         assert_eq!(pose(&sent, track_id(&track)), Some(Pose::Frenet(x)));
         sent.frenet.track_id += 1;
         let Some(Pose::Global(global)) = pose(&sent, track_id(&track)) else {
@@ -254,7 +261,7 @@ mod tests {
             plan: Some(&plan),
             period: 0.1,
             valid_for_us: 250_000,
-            arm_token: 0,
+            arm_token: ArmToken::NONE,
         };
         let mut command = order.message(Header::default());
         assert_eq!(command.n_plan, 3);

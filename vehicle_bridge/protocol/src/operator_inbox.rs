@@ -1,6 +1,6 @@
 //! Which operator commands are new, repeated or old. Pure.
 
-use lcm_types::{Checked as _, OperatorAck, OperatorCommand};
+use lcm_types::{BootId, Checked as _, MonoTime, OperatorAck, OperatorCommand, SeqNumber};
 
 /// Operators remembered; the one silent longest makes room. \[-\]
 const OPERATORS: usize = 16;
@@ -19,9 +19,9 @@ pub enum Heard {
 
 #[derive(Debug, Clone)]
 struct Operator {
-    boot_id: i64,
-    seq: i64,
-    heard_ns: i64,
+    boot_id: BootId,
+    seq: SeqNumber,
+    heard: MonoTime,
     answer: Option<OperatorAck>,
 }
 
@@ -42,24 +42,24 @@ impl OperatorInbox {
     }
 
     /// The operator command, if it is accepted. An emergency stop always is.
-    pub fn hear(&mut self, bytes: &[u8], (arrival_ns, now_ns): (i64, i64)) -> Option<Heard> {
+    pub fn hear(&mut self, bytes: &[u8], (arrival, now): (MonoTime, MonoTime)) -> Option<Heard> {
         let order = OperatorCommand::open(bytes).ok()?;
         let estop = order.command == OperatorCommand::ESTOP;
         let local = order.h.sender.rsplit('@').next() == Some(self.host.as_str());
-        let since = if local { order.h.mono_ns.min(arrival_ns) } else { arrival_ns };
-        let stale = now_ns.saturating_sub(since) > MAX_AGE_NS;
-        let known = self.operators.iter_mut().find(|known| known.boot_id == order.h.boot_id);
+        let since = if local { order.h.sent().min(arrival) } else { arrival };
+        let stale = now.ns_since(since) > MAX_AGE_NS;
+        let known = self.operators.iter_mut().find(|known| known.boot_id == order.h.sender_start());
         let answer = match known {
-            Some(known) if order.h.seq <= known.seq || stale => {
+            Some(known) if order.h.number() <= known.seq || stale => {
                 return estop.then_some(Heard::New(order));
             }
             Some(known) => {
-                (known.seq, known.heard_ns) = (order.h.seq, now_ns);
+                (known.seq, known.heard) = (order.h.number(), now);
                 known.answer.clone().filter(|answer| answer.request_id == order.request_id)
             }
             None if stale => return estop.then_some(Heard::New(order)),
             None => {
-                self.meet(&order, now_ns);
+                self.meet(&order, now);
                 None
             }
         };
@@ -69,19 +69,19 @@ impl OperatorInbox {
         })
     }
 
-    fn meet(&mut self, order: &OperatorCommand, heard_ns: i64) {
+    fn meet(&mut self, order: &OperatorCommand, heard: MonoTime) {
         if self.operators.len() >= OPERATORS {
-            let oldest = self.operators.iter().enumerate().min_by_key(|(_, o)| o.heard_ns);
+            let oldest = self.operators.iter().enumerate().min_by_key(|(_, o)| o.heard);
             if let Some(oldest) = oldest.map(|(index, _)| index) {
                 self.operators.swap_remove(oldest);
             }
         }
-        let (boot_id, seq) = (order.h.boot_id, order.h.seq);
-        self.operators.push(Operator { boot_id, seq, heard_ns, answer: None });
+        let (boot_id, seq) = (order.h.sender_start(), order.h.number());
+        self.operators.push(Operator { boot_id, seq, heard, answer: None });
     }
 
     /// Keeps the answer to an order of the start `boot_id`.
-    pub fn answered(&mut self, boot_id: i64, answer: &OperatorAck) {
+    pub fn answered(&mut self, boot_id: BootId, answer: &OperatorAck) {
         let known = self.operators.iter_mut().find(|known| known.boot_id == boot_id);
         if let Some(known) = known {
             known.answer = Some(answer.clone());
@@ -109,10 +109,10 @@ mod tests {
             let order = OperatorCommand { h, command, request_id: ask, ..Default::default() };
             let mut bytes = Vec::new();
             order.seal_into(&mut bytes).unwrap();
-            let heard = self.0.hear(&bytes, (late, late));
+            let heard = self.0.hear(&bytes, (MonoTime::from_ns(late), MonoTime::from_ns(late)));
             if let Some(Heard::New(order)) = &heard {
                 let answer = OperatorAck { request_id: order.request_id, ..Default::default() };
-                self.0.answered(order.h.boot_id, &answer);
+                self.0.answered(order.h.sender_start(), &answer);
             }
             heard
         }
@@ -159,6 +159,6 @@ mod tests {
         assert_eq!(desk.say(999, 0, START, 999), None, "the last ones are remembered");
         let mut damaged = vec![0; 80];
         damaged[0] = 1;
-        assert_eq!(desk.0.hear(&damaged, (0, 0)), None);
+        assert_eq!(desk.0.hear(&damaged, Default::default()), None);
     }
 }

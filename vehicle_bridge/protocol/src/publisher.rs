@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::sync::Arc;
 
-use lcm_types::{Checked, Header, Message};
+use lcm_types::{BootId, Checked, Header, Message, SeqNumber};
 
 use transport::Transport;
 
@@ -12,7 +12,7 @@ use transport::Transport;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
     /// Random, never 0: a change is a restart.
-    pub boot_id: i64,
+    pub boot_id: BootId,
     /// `program@host`.
     pub sender: String,
 }
@@ -23,7 +23,7 @@ impl Identity {
     pub fn new(name: &str) -> Self {
         let host = nix::unistd::gethostname()
             .map_or_else(|_| "unknown".to_owned(), |host| host.to_string_lossy().into_owned());
-        Self { boot_id: random().max(1), sender: format!("{name}@{host}") }
+        Self { boot_id: BootId::new(random().max(1)), sender: format!("{name}@{host}") }
     }
 }
 
@@ -44,7 +44,7 @@ pub struct Publisher {
     network: Arc<dyn Transport>,
     identity: Identity,
     channel: String,
-    seq: i64,
+    seq: SeqNumber,
     bytes: Vec<u8>,
 }
 
@@ -56,7 +56,7 @@ impl Publisher {
             network: Arc::clone(network),
             identity: identity.clone(),
             channel: channel.to_owned(),
-            seq: 0,
+            seq: SeqNumber::default(),
             bytes: Vec::new(),
         }
     }
@@ -67,9 +67,9 @@ impl Publisher {
         let now = transport::now();
         Header {
             utime: now.utime,
-            mono_ns: now.mono_ns,
-            seq: self.seq,
-            boot_id: self.identity.boot_id,
+            mono_ns: now.mono.as_ns(),
+            seq: self.seq.get(),
+            boot_id: self.identity.boot_id.get(),
             sender: self.identity.sender.clone(),
         }
     }
@@ -79,7 +79,7 @@ impl Publisher {
     /// # Errors
     /// If it cannot be encoded, or the network refuses it; its number is then used up.
     pub fn send_sealed(&mut self, message: &impl Checked) -> anyhow::Result<()> {
-        self.seq += 1;
+        self.seq = self.seq.next();
         message.seal_into(&mut self.bytes)?;
         Ok(self.network.publish(&self.channel, &self.bytes)?)
     }
@@ -89,7 +89,7 @@ impl Publisher {
     /// # Errors
     /// As [`Publisher::send_sealed`].
     pub fn send(&mut self, message: &impl Message) -> anyhow::Result<()> {
-        self.seq += 1;
+        self.seq = self.seq.next();
         message.encode_into(&mut self.bytes)?;
         Ok(self.network.publish(&self.channel, &self.bytes)?)
     }

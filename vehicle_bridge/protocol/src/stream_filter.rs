@@ -1,10 +1,6 @@
 //! Checks of a received stream: sequence, sender, age. Pure: the caller passes the time.
 
-use lcm_types::{Checked, Header};
-
-/// Sequence numbers at most this far ahead of the last are accepted; a greater jump is not explained by
-/// lost messages. \[-\]
-const WINDOW: i64 = 100;
+use lcm_types::{BootId, Checked, Header, MonoTime, SeqNumber};
 
 /// Why a message is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +45,9 @@ pub struct StreamFilter {
 
 #[derive(Debug, Clone, Copy)]
 struct Last {
-    boot_id: i64,
-    seq: i64,
-    arrival_ns: i64,
+    boot_id: BootId,
+    seq: SeqNumber,
+    arrival: MonoTime,
 }
 
 /// An accepted message.
@@ -78,11 +74,11 @@ impl StreamFilter {
     pub fn check<M: Checked>(
         &mut self,
         bytes: &[u8],
-        (arrival_ns, now_ns): (i64, i64),
+        (arrival, now): (MonoTime, MonoTime),
         header: impl Fn(&M) -> &Header,
         sane: impl Fn(&M) -> bool,
     ) -> Result<Accepted<M>, RejectReason> {
-        let checked = self.examine(bytes, arrival_ns, now_ns, header, sane);
+        let checked = self.examine(bytes, arrival, now, header, sane);
         match checked {
             Ok(_) => self.counts.ok += 1,
             Err(RejectReason::Bad) => self.counts.bad += 1,
@@ -95,8 +91,8 @@ impl StreamFilter {
     fn examine<M: Checked>(
         &mut self,
         bytes: &[u8],
-        arrival_ns: i64,
-        now_ns: i64,
+        arrival: MonoTime,
+        now: MonoTime,
         header: impl Fn(&M) -> &Header,
         sane: impl Fn(&M) -> bool,
     ) -> Result<Accepted<M>, RejectReason> {
@@ -107,26 +103,25 @@ impl StreamFilter {
         let h = header(&message);
         let local = h.sender.rsplit('@').next() == Some(self.host.as_str());
         // Another host's clock says nothing here: then the arrival has to do.
-        let since = if local { h.mono_ns.min(arrival_ns) } else { arrival_ns };
-        if now_ns.saturating_sub(since) > self.max_age_ns {
+        let since = if local { h.sent().min(arrival) } else { arrival };
+        if now.ns_since(since) > self.max_age_ns {
             return Err(RejectReason::Stale);
         }
         let fresh_start = match self.last {
             None => true,
             Some(last) => {
-                let next = last.boot_id == h.boot_id
-                    && (last.seq + 1..=last.seq + WINDOW).contains(&h.seq);
-                let silent = arrival_ns.saturating_sub(last.arrival_ns) > self.silence_ns;
+                let next = last.boot_id == h.sender_start() && h.number().follows(last.seq);
+                let silent = arrival.ns_since(last.arrival) > self.silence_ns;
                 if !next && !silent {
                     return Err(RejectReason::Old);
                 }
                 if next {
-                    self.counts.lost += h.seq - last.seq - 1;
+                    self.counts.lost += h.number().missing_after(last.seq);
                 }
-                !next && last.boot_id != h.boot_id
+                !next && last.boot_id != h.sender_start()
             }
         };
-        self.last = Some(Last { boot_id: h.boot_id, seq: h.seq, arrival_ns });
+        self.last = Some(Last { boot_id: h.sender_start(), seq: h.number(), arrival });
         Ok(Accepted { message, fresh_start })
     }
 }
@@ -152,7 +147,12 @@ mod tests {
 
     fn at(filter: &mut StreamFilter, bytes: &[u8], now: i64) -> Result<bool, RejectReason> {
         let sane = |state: &VehicleState| state.vx.is_finite();
-        let checked = filter.check(bytes, (now, now), |state: &VehicleState| &state.h, sane);
+        let checked = filter.check(
+            bytes,
+            (MonoTime::from_ns(now), MonoTime::from_ns(now)),
+            |state: &VehicleState| &state.h,
+            sane,
+        );
         checked.map(|accepted| accepted.fresh_start)
     }
 

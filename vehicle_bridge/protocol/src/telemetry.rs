@@ -1,7 +1,7 @@
 //! Telemetry and track as messages.
 
 use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
-use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint};
+use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint, SeqNumber};
 use vehicle_model::{CarParams, NX, State, Track};
 
 use super::convert;
@@ -43,7 +43,7 @@ pub fn track_message(track: &Track) -> lcm_types::Track {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Step {
     /// Number of the state that was answered. \[-\]
-    pub state_seq: i64,
+    pub state_seq: SeqNumber,
     /// Times of the step.
     pub time: StepTime,
     /// From the arrival of the state to the command. \[s\]
@@ -74,7 +74,7 @@ pub fn step_message(
     let at = |(i, x): (usize, &State)| pred_point(controller.track(), i as f64 * period, x);
     MpcTelemetry {
         h,
-        state_seq: step.state_seq,
+        state_seq: step.state_seq.get(),
         lap: lap_number(status.lap),
         status: status_code(status.action, status.solve),
         iters: i32::try_from(status.iterations).unwrap_or(i32::MAX),

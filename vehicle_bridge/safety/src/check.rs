@@ -1,6 +1,8 @@
 //! From bytes to an offer: size, type and checksum.
 
-use lcm_types::{ActuationCommand, Checked as _, Message as _};
+use lcm_types::{
+    ActuationCommand, ArmToken, BootId, Checked as _, Message as _, MonoTime, SeqNumber,
+};
 use vehicle_model::Input;
 
 use super::command::{DecodedCommand, PLAN, Reject};
@@ -17,7 +19,7 @@ const SHORTEST: usize = 12;
 /// [`Reject::Size`], [`Reject::Fingerprint`], [`Reject::Crc`].
 pub fn decode(
     bytes: &[u8],
-    arrival_ns: i64,
+    arrival: MonoTime,
     rules: &Rules,
     host: &str,
 ) -> Result<DecodedCommand, Reject> {
@@ -28,13 +30,13 @@ pub fn decode(
         return Err(Reject::Fingerprint);
     }
     let c = ActuationCommand::open(bytes).map_err(|_| Reject::Crc)?;
-    let mut since_ns = arrival_ns;
+    let mut since = arrival;
     if c.h.sender.rsplit('@').next() == Some(host) {
-        since_ns = since_ns.min(c.h.mono_ns);
+        since = since.min(c.h.sent());
     }
-    let ours = c.state_boot_id == rules.boot_id;
+    let ours = BootId::new(c.state_boot_id) == rules.boot_id;
     if ours {
-        since_ns = since_ns.min(c.state_mono_ns);
+        since = since.min(MonoTime::from_ns(c.state_mono_ns));
     }
     let mut plan = [Input::default(); PLAN];
     let asked = c.plan_accel.iter().zip(&c.plan_steer);
@@ -42,12 +44,12 @@ pub fn decode(
         *u = Input { a: f64::from(*a), delta: f64::from(*delta) };
     }
     Ok(DecodedCommand {
-        boot_id: c.h.boot_id,
-        seq: c.h.seq,
-        arrival_ns,
-        since_ns,
-        answers: ours.then_some(c.state_seq),
-        token: c.arm_token,
+        boot_id: c.h.sender_start(),
+        seq: c.h.number(),
+        arrival,
+        since,
+        answers: ours.then_some(SeqNumber::new(c.state_seq)),
+        token: ArmToken::new(c.arm_token),
         drives: c.enable && c.mode == ActuationCommand::MODE_DRIVE,
         estop: c.mode == ActuationCommand::MODE_ESTOP,
         input: Input { a: c.accel, delta: c.steer },

@@ -1,13 +1,12 @@
 //! A command as the core sees it, and what it must be to be believed.
 
+use lcm_types::{ArmToken, BootId, MonoTime, SeqNumber};
 use vehicle_model::{Input, Limiter};
 
 /// Steps of a fallback plan that are kept; more are cut off. \[-\]
 pub const PLAN: usize = 32;
 /// Solvers keep bounds to their tolerance, plans are in single precision. \[m/s^2, rad\]
 const TOLERANCE: f64 = 1e-4;
-/// Numbers this far ahead of the last are believed. \[-\]
-const WINDOW: i64 = 100;
 
 /// Why a command is refused, in the order of the checks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -50,19 +49,19 @@ pub enum Reject {
 /// A decoded command: fixed size, nothing checked yet but its form.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DecodedCommand {
-    /// Start of its sender. \[-\]
-    pub boot_id: i64,
-    /// Its number. \[-\]
-    pub seq: i64,
-    /// When it was received, this host's clock. \[ns\]
-    pub arrival_ns: i64,
+    /// Start of its sender.
+    pub boot_id: BootId,
+    /// Its number.
+    pub seq: SeqNumber,
+    /// When it was received, this host's clock.
+    pub arrival: MonoTime,
     /// Oldest time on this host's clock that it is known to stem from: its own stamp if its sender
-    /// is on this host, the state it answers if that was ours. \[ns\]
-    pub since_ns: i64,
-    /// Sequence number of the state of this bridge it answers, if it is one. \[-\]
-    pub answers: Option<i64>,
-    /// Echo of the grant. \[-\]
-    pub token: i64,
+    /// is on this host, the state it answers if that was ours.
+    pub since: MonoTime,
+    /// Sequence number of the state of this bridge it answers, if it is one.
+    pub answers: Option<SeqNumber>,
+    /// Echo of the grant.
+    pub token: ArmToken,
     /// Whether it asks for driving.
     pub drives: bool,
     /// Whether it asks for an emergency stop.
@@ -100,8 +99,8 @@ impl DecodedCommand {
     }
 
     /// Whether its number may follow the last one believed.
-    pub(super) fn follows(&self, last: Option<i64>) -> bool {
-        last.is_none_or(|last| self.seq > last && self.seq.saturating_sub(last) <= WINDOW)
+    pub(super) fn follows(&self, last: Option<SeqNumber>) -> bool {
+        last.is_none_or(|last| self.seq.follows(last))
     }
 
     /// The fallback plan.
@@ -110,10 +109,10 @@ impl DecodedCommand {
         self.plan.get(..self.n_plan).unwrap_or(&self.plan)
     }
 
-    /// What it asks for at `now_ns`, and whether that is the fallback plan: its input until the
+    /// What it asks for at `now`, and whether that is the fallback plan: its input until the
     /// next command is due, then its plan. `None` when it is dead.
-    pub(super) fn input_at(&self, now_ns: i64, period_ns: i64) -> Option<(Input, bool)> {
-        let age_ns = now_ns.saturating_sub(self.arrival_ns);
+    pub(super) fn input_at(&self, now: MonoTime, period_ns: i64) -> Option<(Input, bool)> {
+        let age_ns = now.ns_since(self.arrival);
         if !self.drives || age_ns > self.valid_for_ns {
             return None;
         }

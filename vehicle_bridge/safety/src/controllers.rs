@@ -1,5 +1,7 @@
 //! Controllers that are heard: heartbeat and setup of each boot id.
 
+use lcm_types::{BootId, MonoTime};
+
 use super::order::Denied;
 use super::rules::Setup;
 
@@ -9,12 +11,11 @@ const MOST: usize = 4;
 /// One controller process.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Controller {
-    boot_id: i64,
-    /// Last heartbeat. \[ns\]
-    beat_ns: Option<i64>,
+    boot_id: BootId,
+    beat: Option<MonoTime>,
     setup: Option<Setup>,
-    /// Last message of either kind. \[ns\]
-    heard_ns: i64,
+    /// Last message of either kind.
+    heard: MonoTime,
 }
 
 /// The controllers heard lately.
@@ -22,48 +23,51 @@ struct Controller {
 pub(super) struct Controllers([Option<Controller>; MOST]);
 
 impl Controllers {
-    fn entry(&mut self, boot_id: i64, now_ns: i64) -> Option<&mut Controller> {
+    fn entry(&mut self, boot_id: BootId, now: MonoTime) -> Option<&mut Controller> {
         let known = self.0.iter().position(|c| c.is_some_and(|c| c.boot_id == boot_id));
         let index = known.unwrap_or_else(|| {
-            let heard = |c: &Option<Controller>| c.map_or(i64::MIN, |c| c.heard_ns);
+            let heard = |c: &Option<Controller>| c.map_or(MonoTime::EARLIEST, |c| c.heard);
             let all = self.0.iter().enumerate();
             all.min_by_key(|(_, c)| heard(c)).map_or(0, |(index, _)| index)
         });
         let place = self.0.get_mut(index)?;
         if known.is_none() {
-            *place = Some(Controller { boot_id, beat_ns: None, setup: None, heard_ns: now_ns });
+            *place = Some(Controller { boot_id, beat: None, setup: None, heard: now });
         }
         let controller = place.as_mut()?;
-        controller.heard_ns = now_ns;
+        controller.heard = now;
         Some(controller)
     }
 
     /// A heartbeat came.
-    pub(super) fn on_heartbeat(&mut self, boot_id: i64, now_ns: i64) {
-        if let Some(controller) = self.entry(boot_id, now_ns) {
-            controller.beat_ns = Some(now_ns);
+    pub(super) fn on_heartbeat(&mut self, boot_id: BootId, now: MonoTime) {
+        if let Some(controller) = self.entry(boot_id, now) {
+            controller.beat = Some(now);
         }
     }
 
     /// A setup came.
-    pub(super) fn on_setup(&mut self, boot_id: i64, setup: Setup, now_ns: i64) {
-        if let Some(controller) = self.entry(boot_id, now_ns) {
+    pub(super) fn on_setup(&mut self, boot_id: BootId, setup: Setup, now: MonoTime) {
+        if let Some(controller) = self.entry(boot_id, now) {
             controller.setup = Some(setup);
         }
     }
 
-    /// Last heartbeat of this controller. \[ns\]
-    pub(super) fn beat_ns(&self, boot_id: i64) -> Option<i64> {
-        self.0.iter().flatten().find(|c| c.boot_id == boot_id)?.beat_ns
+    /// Last heartbeat of this controller.
+    pub(super) fn beat(&self, boot_id: BootId) -> Option<MonoTime> {
+        self.0.iter().flatten().find(|c| c.boot_id == boot_id)?.beat
     }
 
-    /// The one controller that may be armed, of those with a heartbeat since `since_ns`; `wanted`
-    /// chooses among several by its boot id, 0 does not.
-    pub(super) fn choose(&self, wanted: i64, since_ns: i64, ours: &Setup) -> Result<i64, Denied> {
-        let live = || {
-            self.0.iter().flatten().filter(|c| c.beat_ns.is_some_and(|beat_ns| beat_ns >= since_ns))
-        };
-        let mut candidates = live().filter(|c| wanted == 0 || c.boot_id == wanted);
+    /// The one controller that may be armed, of those with a heartbeat since `since`; `wanted`
+    /// chooses among several, [`BootId::NONE`] does not.
+    pub(super) fn choose(
+        &self,
+        wanted: BootId,
+        since: MonoTime,
+        ours: &Setup,
+    ) -> Result<BootId, Denied> {
+        let live = || self.0.iter().flatten().filter(|c| c.beat.is_some_and(|beat| beat >= since));
+        let mut candidates = live().filter(|c| wanted.is_none() || c.boot_id == wanted);
         let Some(chosen) = candidates.next() else {
             return Err(match live().map(|c| c.boot_id).min() {
                 Some(heard) => Denied::OtherController { wanted, heard },

@@ -1,6 +1,9 @@
 //! What each order of the operator does.
 
+use lcm_types::{ArmToken, BootId, MonoTime};
+
 use super::doubt::{self, Doubt};
+use super::hold::Hold;
 use super::order::{Denied, MAX_CAP, Order, OrderKind};
 use super::rules::Rules;
 use super::step::Safety;
@@ -9,11 +12,11 @@ use super::types::BridgeState;
 
 impl Safety {
     /// Whether the car stands, by a fresh state.
-    pub(super) fn standstill(&self, rules: &Rules, now_ns: i64) -> Result<(), Denied> {
+    pub(super) fn standstill(&self, rules: &Rules, now: MonoTime) -> Result<(), Denied> {
         if self.seen.is_none() {
             return Err(Denied::NoState);
         }
-        if !self.is_fresh(rules, now_ns) {
+        if !self.is_fresh(rules, now) {
             return Err(Denied::NotFresh);
         }
         let speed = self.estimate.v_x.hypot(self.estimate.v_y);
@@ -22,8 +25,8 @@ impl Safety {
 
     /// Whether the car is known to stand.
     #[must_use]
-    pub fn stands(&self, rules: &Rules, now_ns: i64) -> bool {
-        self.standstill(rules, now_ns).is_ok()
+    pub fn stands(&self, rules: &Rules, now: MonoTime) -> bool {
+        self.standstill(rules, now).is_ok()
     }
 
     /// Obeys an order of the operator.
@@ -31,7 +34,7 @@ impl Safety {
         &mut self,
         rules: &Rules,
         order: &Order,
-        now_ns: i64,
+        now: MonoTime,
     ) -> Result<(), Denied> {
         let name = self.bridge_state.name();
         let latched = matches!(self.bridge_state, BridgeState::Estop | BridgeState::Fault);
@@ -39,7 +42,7 @@ impl Safety {
             OrderKind::Estop => self.leave(BridgeState::Estop, StopReason::Operator),
             OrderKind::Reset if !latched => return Err(Denied::NothingToReset),
             OrderKind::Reset => {
-                self.standstill(rules, now_ns)?;
+                self.standstill(rules, now)?;
                 (self.bridge_state, self.blind, self.steering) = (BridgeState::Idle, false, None);
             }
             OrderKind::Unknown(command) => return Err(Denied::Unknown(command)),
@@ -54,9 +57,9 @@ impl Safety {
                 _ => {}
             },
             OrderKind::Arm { moving, controller } => {
-                return self.arm(rules, (moving, controller), order, now_ns);
+                return self.arm(rules, (moving, controller), order, now);
             }
-            OrderKind::Start => return self.start(rules, order, now_ns),
+            OrderKind::Start => return self.start(rules, order, now),
         }
         Ok(())
     }
@@ -64,9 +67,9 @@ impl Safety {
     fn arm(
         &mut self,
         rules: &Rules,
-        (moving, controller): (bool, i64),
+        (moving, controller): (bool, BootId),
         order: &Order,
-        now_ns: i64,
+        now: MonoTime,
     ) -> Result<(), Denied> {
         match self.bridge_state {
             BridgeState::Boot => return Err(Denied::NoState),
@@ -75,37 +78,37 @@ impl Safety {
             BridgeState::Armed => return Ok(()),
             bridge_state => return Err(Denied::BridgeState(bridge_state.name())),
         }
-        match self.standstill(rules, now_ns) {
+        match self.standstill(rules, now) {
             Err(Denied::Moves { .. }) if moving => {}
             other => other?,
         }
-        let since = self.seen.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
-        let good_ns = now_ns.saturating_sub(since);
+        let since = self.seen.and_then(|seen| seen.good_since).unwrap_or(now);
+        let good_ns = now.ns_since(since);
         if good_ns < rules.ready_ns {
             return Err(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
         }
         if let Some(suspicion) = doubt::place(rules, &self.estimate) {
             return Err(Denied::Place(suspicion));
         }
-        let since_ns = now_ns.saturating_sub(rules.pulse_ns);
-        let boot_id = self.controllers.choose(controller, since_ns, &rules.setup)?;
+        let since = now.minus_ns(rules.pulse_ns);
+        let boot_id = self.controllers.choose(controller, since, &rules.setup)?;
         self.bridge_state = BridgeState::Armed;
-        self.token = order.fresh.max(1);
+        self.token = order.fresh.max(ArmToken::new(1));
         (self.armed, self.seq, self.stop_reason) = (Some(boot_id), None, StopReason::None);
         Ok(())
     }
 
-    fn start(&mut self, rules: &Rules, order: &Order, now_ns: i64) -> Result<(), Denied> {
+    fn start(&mut self, rules: &Rules, order: &Order, now: MonoTime) -> Result<(), Denied> {
         if !matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running) {
             return Err(Denied::NotArmed(self.bridge_state.name()));
         }
-        if order.token != self.token || self.token == 0 {
+        if order.token != self.token || self.token.is_none() {
             return Err(Denied::Token { found: order.token });
         }
         if self.bridge_state == BridgeState::Running {
-            match (self.deadman_ns, order.deadman) {
+            match (self.deadman, order.deadman) {
                 // In force from the first START that holds it, also of a car that drives already.
-                (_, true) => self.deadman_ns = Some(now_ns),
+                (_, true) => self.deadman = Some(now),
                 (Some(_), false) => self.leave(BridgeState::SafeStop, StopReason::Deadman),
                 (None, false) => {}
             }
@@ -115,8 +118,9 @@ impl Safety {
             return Err(Denied::Place(suspicion));
         }
         (self.doubt, self.blind, self.steering) = (Doubt::default(), false, None);
-        (self.bridge_state, self.started_ns, self.command) = (BridgeState::Running, now_ns, None);
-        self.deadman_ns = order.deadman.then_some(now_ns);
+        self.hold = Hold::default();
+        (self.bridge_state, self.started, self.command) = (BridgeState::Running, now, None);
+        self.deadman = order.deadman.then_some(now);
         Ok(())
     }
 }

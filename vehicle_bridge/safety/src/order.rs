@@ -1,5 +1,7 @@
 //! The operator's orders.
 
+use lcm_types::{ArmToken, BootId};
+
 use super::doubt::Suspicion;
 
 /// Highest speed cap taken. \[m/s\]
@@ -12,8 +14,8 @@ pub enum OrderKind {
     Arm {
         /// Though the car moves.
         moving: bool,
-        /// Boot id of the controller, 0 for the only one. \[-\]
-        controller: i64,
+        /// The controller, [`BootId::NONE`] for the only one.
+        controller: BootId,
     },
     /// Take the grant away.
     Disarm,
@@ -36,12 +38,12 @@ pub enum OrderKind {
 pub struct Order {
     /// What.
     pub kind: OrderKind,
-    /// The arm token it refers to. \[-\]
-    pub token: i64,
+    /// The arm token it refers to.
+    pub token: ArmToken,
     /// The dead man's switch is held. A START with it lasts only while it is repeated with it.
     pub deadman: bool,
-    /// A random number, the grant if this order arms. \[-\]
-    pub fresh: i64,
+    /// A random number, the grant if this order arms.
+    pub fresh: ArmToken,
 }
 
 /// Why an order is not obeyed.
@@ -67,14 +69,14 @@ pub enum Denied {
         "two controllers are live, {0} and {1}: end one, or choose with \
          `lmpc operator arm --controller ID`"
     )]
-    Controllers(i64, i64),
+    Controllers(BootId, BootId),
     /// The controller that was chosen is not live.
     #[error("controller {wanted} is not live; {heard} is")]
     OtherController {
         /// As ordered.
-        wanted: i64,
+        wanted: BootId,
         /// One that is live.
-        heard: i64,
+        heard: BootId,
     },
     /// Its setup is not known.
     #[error("the controller has not sent its setup (LMPC/SETUP) yet")]
@@ -139,7 +141,7 @@ pub enum Denied {
     #[error("wrong arm token {found}")]
     Token {
         /// As given.
-        found: i64,
+        found: ArmToken,
     },
     /// Only reset leaves it.
     #[error("{0}: only `reset` at standstill ends it")]

@@ -1,5 +1,7 @@
 //! How much a sender may say.
 
+use lcm_types::{BootId, MonoTime};
+
 /// Senders told apart; the one silent longest makes room. \[-\]
 const SENDERS: usize = 8;
 /// Length of a window. \[ns\]
@@ -10,8 +12,8 @@ const MOST: u32 = 100;
 /// One sender's window.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Window {
-    boot_id: i64,
-    begun_ns: i64,
+    boot_id: BootId,
+    begun: MonoTime,
     count: u32,
 }
 
@@ -21,16 +23,16 @@ pub(super) struct Rate([Window; SENDERS]);
 
 impl Rate {
     /// Counts a message; false if it is one too many.
-    pub(super) fn admit(&mut self, boot_id: i64, now_ns: i64) -> bool {
+    pub(super) fn admit(&mut self, boot_id: BootId, now: MonoTime) -> bool {
         let known = self.0.iter().position(|w| w.boot_id == boot_id && w.count > 0);
         let oldest = || {
             let windows = self.0.iter().enumerate();
-            windows.min_by_key(|(_, w)| (w.count > 0, w.begun_ns)).map_or(0, |(i, _)| i)
+            windows.min_by_key(|(_, w)| (w.count > 0, w.begun)).map_or(0, |(i, _)| i)
         };
         let index = known.unwrap_or_else(oldest);
         let Some(window) = self.0.get_mut(index) else { return false };
-        if known.is_none() || now_ns.saturating_sub(window.begun_ns) >= WINDOW_NS {
-            *window = Window { boot_id, begun_ns: now_ns, count: 0 };
+        if known.is_none() || now.ns_since(window.begun) >= WINDOW_NS {
+            *window = Window { boot_id, begun: now, count: 0 };
         }
         window.count = window.count.saturating_add(1);
         window.count <= MOST
@@ -45,7 +47,9 @@ mod tests {
     fn a_sender_in_a_storm_is_cut_off_and_no_other() {
         let mut rate = Rate::default();
         let admitted = |rate: &mut Rate, id, n: i64, from: i64| {
-            (0..n).filter(|i| rate.admit(id, from + i * 1000)).count()
+            (0..n)
+                .filter(|i| rate.admit(BootId::new(id), MonoTime::from_ns(from + i * 1000)))
+                .count()
         };
         assert_eq!(admitted(&mut rate, 1, 1000, 0), 100);
         assert_eq!(admitted(&mut rate, 2, 30, 0), 30);
@@ -57,7 +61,8 @@ mod tests {
     fn a_window_begins_with_its_senders_first_message() {
         for id in [0, 1] {
             let mut rate = Rate::default();
-            let mut say = |now_ms: i64| rate.admit(id, now_ms * 1_000_000);
+            let mut say =
+                |now_ms: i64| rate.admit(BootId::new(id), MonoTime::from_ns(now_ms * 1_000_000));
             assert!((0..100).all(|_| say(50)));
             assert!(!say(149), "{id}");
             assert!(say(150), "{id}");
@@ -67,7 +72,9 @@ mod tests {
     #[test]
     fn the_sender_silent_longest_makes_room() {
         let mut rate = Rate::default();
-        let mut say = |id: i64, now_ms: i64| rate.admit(id, now_ms * 1_000_000);
+        let mut say = |id: i64, now_ms: i64| {
+            rate.admit(BootId::new(id), MonoTime::from_ns(now_ms * 1_000_000))
+        };
         for id in 1..=8 {
             assert!((0..100).all(|_| say(id, 10 + id)));
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::doubt::DoubtLimits;
 use super::doubt::response::GRIPS;
-use lcm_types::crc;
+use lcm_types::{BootId, crc};
 use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track, Tracker};
 
 /// What a controller, or a bridge, was set up with. A value of 0 is not compared.
@@ -43,8 +43,8 @@ pub struct Rules {
     pub start_ns: i64,
     /// Below this speed the car stands. \[m/s\]
     pub still: f64,
-    /// This start of the bridge, as in its states' headers. \[-\]
-    pub boot_id: i64,
+    /// This start of the bridge, as in its states' headers.
+    pub boot_id: BootId,
     /// What the controller must be set up with to be armed.
     pub setup: Setup,
     /// Box, rates and speed cap of what is sent.
@@ -77,7 +77,7 @@ impl Rules {
             pulse_ns: 500 * MS,
             start_ns: 1000 * MS,
             still: 0.1,
-            boot_id: 0,
+            boot_id: BootId::NONE,
             setup: Setup {
                 track_id: crc::id(track.fingerprint()),
                 car_id: crc::id(car.fingerprint()),

@@ -1,10 +1,12 @@
 //! The state machine.
 
+use lcm_types::{ArmToken, BootId, MonoTime, SeqNumber};
 use vehicle_model::{Input, Limited, State};
 
 use super::command::{DecodedCommand, Reject};
 use super::controllers::Controllers;
-use super::doubt::{Doubt, Finding, Reaction, Steering, Suspicion};
+use super::doubt::{Doubt, Reaction, Steering};
+use super::hold::Hold;
 use super::published::Published;
 use super::rate::Rate;
 use super::rules::Rules;
@@ -15,8 +17,8 @@ use super::types::{Answer, BridgeState, Counts, Event, InputSource, Output};
 /// The car's state as last heard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seen {
-    pub(super) at_ns: i64,
-    pub(super) good_since_ns: Option<i64>,
+    pub(super) at: MonoTime,
+    pub(super) good_since: Option<MonoTime>,
     pub(super) x: State,
 }
 
@@ -24,15 +26,15 @@ pub(super) struct Seen {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Safety {
     pub(super) bridge_state: BridgeState,
-    pub(super) token: i64,
-    pub(super) armed: Option<i64>,
-    pub(super) seq: Option<i64>,
+    pub(super) token: ArmToken,
+    pub(super) armed: Option<BootId>,
+    pub(super) seq: Option<SeqNumber>,
     pub(super) command: Option<DecodedCommand>,
-    pub(super) started_ns: i64,
-    pub(super) deadman_ns: Option<i64>,
+    pub(super) started: MonoTime,
+    pub(super) deadman: Option<MonoTime>,
     pub(super) seen: Option<Seen>,
     pub(super) estimate: State,
-    pub(super) estimate_ns: i64,
+    pub(super) estimated: MonoTime,
     pub(super) controllers: Controllers,
     pub(super) published: Published,
     pub(super) doubt: Doubt,
@@ -40,24 +42,26 @@ pub struct Safety {
     pub(super) blind: bool,
     /// The stop is driven with a steering that does not do what it is told.
     pub(super) steering: Option<Steering>,
+    /// The brake that holds the car.
+    pub(super) hold: Hold,
     pub(super) speed_cap: Option<f64>,
     pub(super) applied: Option<Limited>,
     pub(super) source: InputSource,
-    pub(super) tick_ns: Option<i64>,
-    pub(super) sent_ns: Option<i64>,
+    pub(super) tick: Option<MonoTime>,
+    pub(super) sent: Option<MonoTime>,
     pub(super) rate: Rate,
     pub(super) stop_reason: StopReason,
     pub(super) counts: Counts,
 }
 
-/// One event at `now_ns`.
+/// One event at `now`.
 #[must_use]
-pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (Safety, Output) {
+pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now: MonoTime) -> (Safety, Output) {
     let mut next = *safety;
-    next.expire(rules, event, now_ns);
+    next.expire(rules, event, now);
     let answer = match event {
-        Event::State(x, quality) => next.on_state(rules, x, *quality, now_ns),
-        Event::Command(offer) => match next.on_command(rules, offer, now_ns) {
+        Event::State(x, quality) => next.on_state(rules, x, *quality, now),
+        Event::Command(offer) => match next.on_command(rules, offer, now) {
             Ok(()) => Answer::Accepted,
             Err(reject) => Answer::Rejected(reject),
         },
@@ -66,15 +70,15 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Answer::Rejected(Reject::Boot)
         }
         Event::Heartbeat(boot_id) => {
-            next.controllers.on_heartbeat(*boot_id, now_ns);
+            next.controllers.on_heartbeat(*boot_id, now);
             Answer::None
         }
         Event::Setup(boot_id, setup) => {
-            next.controllers.on_setup(*boot_id, *setup, now_ns);
+            next.controllers.on_setup(*boot_id, *setup, now);
             Answer::None
         }
         Event::Published(seq) => {
-            next.published.note(*seq, now_ns);
+            next.published.note(*seq, now);
             Answer::None
         }
         Event::End => {
@@ -85,7 +89,7 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             }
             Answer::None
         }
-        Event::Order(order) => match next.on_order(rules, order, now_ns) {
+        Event::Order(order) => match next.on_order(rules, order, now) {
             Ok(()) => Answer::Accepted,
             Err(denied) => Answer::Denied(denied),
         },
@@ -101,11 +105,11 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (
             Answer::None
         }
         Event::Tick => {
-            next.on_tick(rules, now_ns);
+            next.on_tick(rules, now);
             Answer::None
         }
         Event::Sent => {
-            next.sent_ns = Some(now_ns);
+            next.sent = Some(now);
             Answer::None
         }
     };
@@ -125,9 +129,9 @@ impl Safety {
         self.bridge_state
     }
 
-    /// The grant in force, 0 for none. \[-\]
+    /// The grant in force, if any.
     #[must_use]
-    pub fn token(&self) -> i64 {
+    pub fn token(&self) -> ArmToken {
         self.token
     }
 
@@ -145,7 +149,7 @@ impl Safety {
 
     /// The command in force: start and number of its sender.
     #[must_use]
-    pub fn command(&self) -> Option<(i64, i64)> {
+    pub fn command(&self) -> Option<(BootId, SeqNumber)> {
         self.command.map(|command| (command.boot_id, command.seq))
     }
 
@@ -165,64 +169,64 @@ impl Safety {
         self.counts.stops += i64::from(self.bridge_state == BridgeState::Running);
         self.bridge_state = to;
         self.stop_reason = why;
-        (self.token, self.armed, self.seq, self.deadman_ns) = (0, None, None, None);
+        (self.token, self.armed, self.seq, self.deadman) = (ArmToken::NONE, None, None, None);
         self.command = None;
     }
 
-    pub(super) fn is_fresh(&self, rules: &Rules, now_ns: i64) -> bool {
+    pub(super) fn is_fresh(&self, rules: &Rules, now: MonoTime) -> bool {
         let patience = rules.state_ns + rules.timeout_ns;
-        self.seen.is_some_and(|seen| now_ns.saturating_sub(seen.at_ns) <= patience)
+        self.seen.is_some_and(|seen| now.ns_since(seen.at) <= patience)
     }
 
     /// The last instants at which what the grant needs is still in time, and what is missing after
-    /// each; the first one that has passed tells why. \[ns\]
-    fn limits(&self, rules: &Rules) -> [(i64, StopReason); 6] {
-        const NEVER: i64 = i64::MAX;
-        let from = |then: Option<i64>, patience: i64| {
-            then.map_or(NEVER, |then| then.saturating_add(patience))
+    /// each; the first one that has passed tells why.
+    fn limits(&self, rules: &Rules) -> [(MonoTime, StopReason); 6] {
+        const NEVER: MonoTime = MonoTime::NEVER;
+        let from = |then: Option<MonoTime>, patience: i64| {
+            then.map_or(NEVER, |then| then.plus_ns(patience))
         };
         let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
-        let beat_ns = self.armed.and_then(|boot_id| self.controllers.beat_ns(boot_id));
-        let heard = from(beat_ns, rules.pulse_ns);
+        let beat = self.armed.and_then(|boot_id| self.controllers.beat(boot_id));
+        let heard = from(beat, rules.pulse_ns);
         let running = self.bridge_state == BridgeState::Running;
         let (due, valid) = match self.command {
             Some(c) => (
-                c.arrival_ns.saturating_add(rules.period_ns + rules.timeout_ns),
-                c.arrival_ns.saturating_add(c.valid_for_ns),
+                c.arrival.plus_ns(rules.period_ns + rules.timeout_ns),
+                c.arrival.plus_ns(c.valid_for_ns),
             ),
-            None => (from(Some(self.started_ns), rules.start_ns), NEVER),
+            None => (from(Some(self.started), rules.start_ns), NEVER),
         };
-        let only = |is: bool, limit: i64| if is { limit } else { NEVER };
+        let only = |is: bool, limit: MonoTime| if is { limit } else { NEVER };
         [
-            (from(self.tick_ns, late), StopReason::Gap),
+            (from(self.tick, late), StopReason::Gap),
             (
-                self.seen.map_or(i64::MIN, |seen| seen.at_ns.saturating_add(silent)),
+                self.seen.map_or(MonoTime::EARLIEST, |seen| seen.at.plus_ns(silent)),
                 StopReason::States,
             ),
             (only(!running, heard), StopReason::Heartbeat),
-            (only(running, from(self.deadman_ns, rules.timeout_ns)), StopReason::Deadman),
+            (only(running, from(self.deadman, rules.timeout_ns)), StopReason::Deadman),
             (only(running, due), StopReason::Commands),
             (only(running, valid), StopReason::Validity),
         ]
     }
 
     /// When the grant ends if nothing more comes; `None` without one. A host that ticks at the
-    /// next nanosecond stops the car without waiting for its beat. \[ns\]
+    /// next nanosecond stops the car without waiting for its beat.
     #[must_use]
-    pub fn deadline(&self, rules: &Rules) -> Option<i64> {
+    pub fn deadline(&self, rules: &Rules) -> Option<MonoTime> {
         let granted = matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running);
         granted.then(|| self.limits(rules).map(|(until, _)| until).into_iter().min()).flatten()
     }
 
     /// What time alone ends, before anything else is looked at.
-    fn expire(&mut self, rules: &Rules, event: &Event<'_>, now_ns: i64) {
+    fn expire(&mut self, rules: &Rules, event: &Event<'_>, now: MonoTime) {
         if !matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running) {
             return;
         }
         let in_time =
             |why: StopReason| why == StopReason::States && matches!(event, Event::State(..));
         let mut limits = self.limits(rules).into_iter();
-        if let Some((_, why)) = limits.find(|(until, why)| now_ns > *until && !in_time(*why)) {
+        if let Some((_, why)) = limits.find(|(until, why)| now > *until && !in_time(*why)) {
             let to = if self.bridge_state == BridgeState::Armed {
                 BridgeState::Idle
             } else {
@@ -232,75 +236,15 @@ impl Safety {
         }
     }
 
-    fn on_state(&mut self, rules: &Rules, x: &State, quality: i8, now_ns: i64) -> Answer {
-        if quality < 1 || !x.is_finite() {
-            return Answer::Rejected(Reject::NotFinite);
-        }
-        // After a gap they have not been good for long, whatever they were before it.
-        let unbroken = self.seen.filter(|_| self.is_fresh(rules, now_ns));
-        let since = unbroken.and_then(|seen| seen.good_since_ns).unwrap_or(now_ns);
-        let good_since_ns = (quality >= rules.quality).then_some(since);
-        let before = self.seen.replace(Seen { at_ns: now_ns, good_since_ns, x: *x });
-        if !self.blind {
-            (self.estimate, self.estimate_ns) = (*x, now_ns);
-        }
-        if let Some(before) = before.filter(|_| self.bridge_state == BridgeState::Running) {
-            self.question(rules, &before, x, now_ns);
-        }
-        if let (Some(before), Some(_)) = (before, self.steering) {
-            self.learn_steering(rules, &before, x, now_ns);
-        }
-        if self.bridge_state == BridgeState::Boot {
-            self.bridge_state = BridgeState::Idle;
-        }
-        Answer::Accepted
-    }
-
-    /// Doubts a state, and stops the car if it must not be believed.
-    fn question(&mut self, rules: &Rules, before: &Seen, x: &State, now_ns: i64) {
-        let Some(limits) = &rules.doubt else { return };
-        let dt = now_ns.saturating_sub(before.at_ns) as f64 * 1e-9;
-        if dt <= 0.0 {
-            return;
-        }
-        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
-        let finding = self.doubt.on_state(rules, limits, (&before.x, x), applied, dt);
-        if finding.reaction() == Reaction::Stop {
-            let doubted = matches!(finding.what, Suspicion::Position | Suspicion::Heading);
-            if let Some(trusted) = self.doubt.trusted().filter(|_| doubted) {
-                (self.estimate, self.estimate_ns, self.blind) = (trusted, now_ns, true);
-            }
-            if finding.what == Suspicion::Steering {
-                self.steering = Some(self.doubt.steering());
-            }
-            self.leave(BridgeState::SafeStop, StopReason::Doubt(finding.what));
-        }
-    }
-
-    /// While the car is stopped for its steering, what is wrong with it becomes clearer.
-    fn learn_steering(&mut self, rules: &Rules, before: &Seen, x: &State, now_ns: i64) {
-        let Some(limits) = &rules.doubt else { return };
-        let dt = now_ns.saturating_sub(before.at_ns) as f64 * 1e-9;
-        let applied = self.applied.map(|applied| applied.sent).unwrap_or_default();
-        self.doubt.on_stop(rules, limits, (&before.x, x), applied, dt);
-        self.steering = Some(self.doubt.steering());
-    }
-
-    /// The worst doubt of the present drive.
-    #[must_use]
-    pub fn finding(&self) -> Finding {
-        self.doubt.finding
-    }
-
     /// A command's checks after its form, in order.
     fn on_command(
         &mut self,
         rules: &Rules,
         offer: &DecodedCommand,
-        now_ns: i64,
+        now: MonoTime,
     ) -> Result<(), Reject> {
         let ours = self.armed == Some(offer.boot_id);
-        if !self.rate.admit(offer.boot_id, now_ns) {
+        if !self.rate.admit(offer.boot_id, now) {
             if ours && self.bridge_state == BridgeState::Running {
                 self.leave(BridgeState::SafeStop, StopReason::Flood);
             }
@@ -312,8 +256,8 @@ impl Safety {
         if !offer.in_range(&rules.limiter) {
             return Err(Reject::Range);
         }
-        let oldest = offer.since_ns.min(offer.arrival_ns);
-        if now_ns.saturating_sub(oldest) > rules.max_age_ns.min(offer.valid_for_ns) {
+        let oldest = offer.since.min(offer.arrival);
+        if now.ns_since(oldest) > rules.max_age_ns.min(offer.valid_for_ns) {
             return Err(Reject::Stale);
         }
         if !ours {
@@ -322,17 +266,17 @@ impl Safety {
         if !offer.follows(self.seq) {
             return Err(Reject::Sequence);
         }
-        if offer.token != self.token || self.token == 0 {
+        if offer.token != self.token || self.token.is_none() {
             return Err(Reject::Token);
         }
-        let answers = |seq: i64| {
-            self.published.is_recent(seq, now_ns, rules.max_age_ns.min(offer.valid_for_ns))
+        let answers = |seq: SeqNumber| {
+            self.published.is_recent(seq, now, rules.max_age_ns.min(offer.valid_for_ns))
         };
         if offer.drives && !offer.answers.is_some_and(answers) {
             return Err(Reject::Unanswered);
         }
         if let Some(last) = self.seq {
-            self.counts.lost += offer.seq - last - 1;
+            self.counts.lost += offer.seq.missing_after(last);
         }
         self.seq = Some(offer.seq);
         self.counts.ok += 1;
@@ -349,23 +293,23 @@ impl Safety {
         Ok(())
     }
 
-    fn on_tick(&mut self, rules: &Rules, now_ns: i64) {
-        let since = |then: Option<i64>| match then {
-            Some(then) => now_ns.saturating_sub(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
+    fn on_tick(&mut self, rules: &Rules, now: MonoTime) {
+        let since = |then: Option<MonoTime>| match then {
+            Some(then) => now.ns_since(then).clamp(0, 10 * rules.tick_ns) as f64 * 1e-9,
             None => rules.tick_ns as f64 * 1e-9,
         };
-        let (dt, held) = (since(self.tick_ns), since(self.tick_ns.max(self.sent_ns)));
+        let (dt, held) = (since(self.tick), since(self.tick.max(self.sent)));
         let before = self.applied.map(|applied| applied.sent).unwrap_or_default();
-        let ahead = now_ns.saturating_sub(self.estimate_ns).max(0) as f64 * 1e-9;
+        let ahead = now.ns_since(self.estimated).max(0) as f64 * 1e-9;
         self.estimate = stop::reckon(rules, &self.estimate, before, ahead.min(dt));
-        self.estimate_ns = now_ns;
-        self.tick_ns = Some(now_ns);
-        if self.bridge_state == BridgeState::SafeStop && self.standstill(rules, now_ns).is_ok() {
+        self.estimated = now;
+        self.tick = Some(now);
+        if self.bridge_state == BridgeState::SafeStop && self.standstill(rules, now).is_ok() {
             (self.bridge_state, self.blind, self.steering) = (BridgeState::Idle, false, None);
         }
         let driven = match self.bridge_state {
             BridgeState::Running => {
-                self.command.and_then(|command| command.input_at(now_ns, rules.period_ns))
+                self.command.and_then(|command| command.input_at(now, rules.period_ns))
             }
             _ => None,
         };
@@ -378,9 +322,10 @@ impl Safety {
             Some((input, true)) => (input, InputSource::Plan),
             None => {
                 let source = if stopped { InputSource::Stop } else { InputSource::None };
+                let (x, hold) = (&self.estimate, self.hold);
                 let brake = match self.steering.filter(|_| stopped) {
-                    Some(steering) => stop::brake_without_steering(rules, &self.estimate, steering),
-                    None => stop::brake(rules, &self.estimate),
+                    Some(steering) => stop::brake_without_steering(rules, x, hold, steering),
+                    None => stop::brake(rules, x, hold),
                 };
                 (brake, source)
             }

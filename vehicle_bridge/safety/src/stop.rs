@@ -3,12 +3,9 @@
 use vehicle_model::{Input, Model, State};
 
 use super::doubt::Steering;
+use super::hold::Hold;
 use super::rules::Rules;
 
-/// Slower than this, the brake stays pressed. \[m/s\]
-const HOLD_BELOW: f64 = 0.5;
-/// How hard, as a share of full braking. \[-\]
-const HOLD: f64 = 0.2;
 /// Share of the grip that is braked with. \[-\]
 const BRAKE_SHARE: f64 = 0.9;
 /// Slower than this, tyres are taken to roll without slip. \[m/s\]
@@ -16,19 +13,20 @@ pub(super) const ROLL_BELOW: f64 = 1.0;
 /// Longest step of the reckoning. \[s\]
 const STEP: f64 = 0.002;
 
-/// What brings the car to a stand on the track.
-pub(super) fn brake(rules: &Rules, x: &State) -> Input {
-    let wanted = rules.tracker.brake(x, &rules.track);
-    if x.v_x < HOLD_BELOW {
-        return Input { a: wanted.a.min(HOLD * rules.limiter.a_min), ..wanted };
-    }
-    wanted
+/// What brings the car to a stand on the track, and holds it there.
+pub(super) fn brake(rules: &Rules, x: &State, hold: Hold) -> Input {
+    hold.apply(rules, x.v_x, rules.tracker.brake(x, &rules.track))
 }
 
 /// The same with a steering that does not do what it is told: against its bias, or, where it is stuck,
 /// as hard as the lateral acceleration that the car has leaves grip for.
-pub(super) fn brake_without_steering(rules: &Rules, x: &State, steering: Steering) -> Input {
-    let wanted = brake(rules, x);
+pub(super) fn brake_without_steering(
+    rules: &Rules,
+    x: &State,
+    hold: Hold,
+    steering: Steering,
+) -> Input {
+    let wanted = brake(rules, x, hold);
     match steering {
         Steering::Biased(bias) => Input { delta: wanted.delta - bias, ..wanted },
         Steering::Stuck => {

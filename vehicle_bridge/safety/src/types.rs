@@ -1,6 +1,6 @@
 //! What goes into the core and what comes out.
 
-use lcm_types::Heartbeat;
+use lcm_types::{BootId, Heartbeat, SeqNumber};
 use vehicle_model::{Limited, State};
 
 use super::command::{DecodedCommand, Reject};
@@ -77,11 +77,11 @@ pub enum Event<'a> {
     /// A command that passed [`super::decode`].
     Command(&'a DecodedCommand),
     /// Heartbeat of the controller with this boot id.
-    Heartbeat(i64),
+    Heartbeat(BootId),
     /// The controller with this boot id was set up so.
-    Setup(i64, Setup),
+    Setup(BootId, Setup),
     /// The state with this sequence number went out to the controller.
-    Published(i64),
+    Published(SeqNumber),
     /// The operator.
     Order(Order),
     /// The car failed.

@@ -48,6 +48,8 @@ pub(super) struct Account {
     pub(super) unsent: u64,
     /// The worst doubt.
     pub(super) doubt: Finding,
+    /// The car moved on though the brake held it.
+    pub(super) creeps: bool,
     /// Programs on the network that should not be there.
     pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
@@ -100,6 +102,12 @@ impl fmt::Display for Account {
             let Finding { what, level } = self.doubt;
             say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
         }
+        if self.creeps {
+            say(format_args!(
+                "the car moved on though the brake held it (throttle off, or a slope): it is held \
+                 with all the brake there is"
+            ))?;
+        }
         if let Some(neighbours) = &self.neighbours {
             say(format_args!("{neighbours}"))?;
         }
@@ -131,6 +139,7 @@ mod tests {
             unsent: 2,
             car: Some(mapping::Counts::default()),
             doubt: Finding::default(),
+            creeps: true,
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::Heartbeat(Reject::Boot)),
             log: None,
@@ -141,7 +150,8 @@ mod tests {
             account.to_string(),
             "a note; last stop: the bridge itself stood still; 3 inputs limited; now asked 0.00 \
              m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
-             be sent; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a heartbeat was refused: not from \
+             be sent; the car moved on though the brake held it (throttle off, or a slope): it is \
+             held with all the brake there is; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a heartbeat was refused: not from \
              the controller that was armed"
         );
     }

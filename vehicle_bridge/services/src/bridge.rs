@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use anyhow::Result;
 use lcm_types::{
-    ActuationReport, Checked as _, Heartbeat, Message as _, OperatorAck, OperatorCommand,
-    VehicleState, channels,
+    ActuationReport, ArmToken, BootId, Checked as _, Heartbeat, Message as _, OperatorAck,
+    OperatorCommand, VehicleState, channels,
 };
 use vehicle_model::Input;
 
@@ -176,19 +176,19 @@ impl Bridge {
         // The network may be gone: the car is still there.
         let sent = self.states.send_sealed(state);
         self.unsent += u64::from(sent.is_err());
-        self.step(&Event::Published(state.h.seq));
+        self.step(&Event::Published(state.h.number()));
     }
 
     pub(super) fn step(&mut self, event: &Event<'_>) -> Output {
-        let now_ns = transport::now().mono_ns;
-        let (next, output) = safety::step(&self.rules, &self.safety, event, now_ns);
+        let now = transport::now().mono;
+        let (next, output) = safety::step(&self.rules, &self.safety, event, now);
         self.safety = next;
         output
     }
 
     pub(super) fn on_command(&mut self, received: &Received) {
-        let arrival_ns = received.arrival.mono_ns;
-        let reject = match decode(&received.payload, arrival_ns, &self.rules, &self.host) {
+        let arrival = received.arrival.mono;
+        let reject = match decode(&received.payload, arrival, &self.rules, &self.host) {
             Ok(command) => match self.step(&Event::Command(&command)).answer {
                 Answer::Rejected(reject) => reject,
                 _ => return,
@@ -207,7 +207,7 @@ impl Bridge {
                 if let Ok(m) = lcm_types::Setup::open(&received.payload) {
                     let lcm_types::Setup { track_id, car_id, config_id, period_ns, .. } = m;
                     let setup = Setup { track_id, car_id, config_id, period_ns };
-                    self.step(&Event::Setup(m.h.boot_id, setup));
+                    self.step(&Event::Setup(m.h.sender_start(), setup));
                 }
             }
             channels::STATE => {
@@ -222,7 +222,7 @@ impl Bridge {
                 }
                 self.neighbours.note(Role::Controller, &beat.h);
                 if let Answer::Rejected(reject) =
-                    self.step(&Event::Heartbeat(beat.h.boot_id)).answer
+                    self.step(&Event::Heartbeat(beat.h.sender_start())).answer
                 {
                     self.refuse(Refused::Heartbeat(reject));
                 }
@@ -231,18 +231,18 @@ impl Bridge {
     }
 
     pub(super) fn on_operator_command(&mut self, received: &Received) {
-        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let times = (received.arrival.mono, transport::now().mono);
         let Some(heard) = self.operators.hear(&received.payload, times) else { return };
         let (boot_id, ack) = match heard {
-            Heard::New(order) => (order.h.boot_id, self.obey(&order)),
+            Heard::New(order) => (order.h.sender_start(), self.obey(&order)),
             // A dead man's switch is held by saying so.
             Heard::Again(order, ack)
                 if ack.accepted && order.deadman && order.command == OperatorCommand::START =>
             {
-                (order.h.boot_id, self.obey(&order))
+                (order.h.sender_start(), self.obey(&order))
             }
             Heard::Again(order, ack) => {
-                (order.h.boot_id, OperatorAck { h: self.acks.header(), ..ack })
+                (order.h.sender_start(), OperatorAck { h: self.acks.header(), ..ack })
             }
         };
         // What the network refuses is asked again.
@@ -252,9 +252,10 @@ impl Bridge {
 
     fn obey(&mut self, order: &OperatorCommand) -> OperatorAck {
         let kind = match order.command {
-            OperatorCommand::ARM => {
-                OrderKind::Arm { moving: order.value == 1.0, controller: order.arm_token }
-            }
+            OperatorCommand::ARM => OrderKind::Arm {
+                moving: order.value == 1.0,
+                controller: BootId::new(order.arm_token),
+            },
             OperatorCommand::DISARM => OrderKind::Disarm,
             OperatorCommand::START => OrderKind::Start,
             OperatorCommand::STOP => OrderKind::Stop,
@@ -263,9 +264,10 @@ impl Bridge {
             OperatorCommand::SET_SPEED_CAP => OrderKind::SpeedCap(order.value),
             other => OrderKind::Unknown(other),
         };
-        let (token, deadman) = (order.arm_token, order.deadman);
-        let answer =
-            self.step(&Event::Order(Order { kind, token, deadman, fresh: random() })).answer;
+        let (token, deadman) = (ArmToken::new(order.arm_token), order.deadman);
+        let answer = self
+            .step(&Event::Order(Order { kind, token, deadman, fresh: ArmToken::new(random()) }))
+            .answer;
         let detail = match answer {
             Answer::Denied(denied) => denied.to_string(),
             _ => String::new(),
@@ -275,17 +277,17 @@ impl Bridge {
             request_id: order.request_id,
             accepted: detail.is_empty(),
             state: self.safety.bridge_state() as i8,
-            arm_token: self.safety.token(),
+            arm_token: self.safety.token().get(),
             detail,
         }
     }
 
     pub(super) fn publish_report(&mut self, output: &Output) {
-        let (cmd_boot_id, cmd_seq) = self.safety.command().unwrap_or_default();
+        let (boot_id, seq) = self.safety.command().unwrap_or_default();
         let report = ActuationReport {
             h: self.reports.header(),
-            cmd_boot_id,
-            cmd_seq,
+            cmd_boot_id: boot_id.get(),
+            cmd_seq: seq.get(),
             enabled: matches!(output.source, InputSource::Command | InputSource::Plan),
             source: output.source as i8,
             limited: output.applied.bits,
@@ -302,6 +304,7 @@ impl Bridge {
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
+        let creeps = self.safety.creeps();
         let relay = self.watchdog.as_ref().and_then(Watchdog::trouble).map(Arc::from);
         self.heartbeat.update(|health| {
             health.state = state;
@@ -309,7 +312,7 @@ impl Bridge {
             health.arm_token = arm_token;
             let said = &mut health.detail;
             (said.stop_reason, said.missed, said.unsent, said.car) = (reason, missed, unsent, car);
-            said.doubt = finding;
+            (said.doubt, said.creeps) = (finding, creeps);
             said.relay = relay;
             if let Some(news) = neighbours {
                 said.neighbours = news;

@@ -63,7 +63,7 @@ impl Bridge {
         }
         self.unsent += u64::from(self.side.finish().is_err());
         self.bridged.commands = self.safety.counts();
-        self.bridged.moving = !self.safety.stands(&self.rules, transport::now().mono_ns);
+        self.bridged.moving = !self.safety.stands(&self.rules, transport::now().mono);
         self.bridged
     }
 
@@ -82,8 +82,8 @@ impl Bridge {
         }
         let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
         self.step(&Event::End);
-        let now_ns = transport::now().mono_ns;
-        if stops(self.safety.bridge_state()) && !self.safety.stands(&self.rules, now_ns) {
+        let now = transport::now().mono;
+        if stops(self.safety.bridge_state()) && !self.safety.stands(&self.rules, now) {
             clock.stood = None;
         } else {
             clock.stood.get_or_insert_with(Instant::now);
@@ -167,8 +167,8 @@ impl Bridge {
 
     /// The next tick, or just after the grant ends, whichever comes first.
     fn wake(&self, due: Instant) -> Instant {
-        let Some(until_ns) = self.safety.deadline(&self.rules) else { return due };
-        let left_ns = until_ns.saturating_add(1).saturating_sub(transport::now().mono_ns);
+        let Some(until) = self.safety.deadline(&self.rules) else { return due };
+        let left_ns = until.plus_ns(1).ns_since(transport::now().mono);
         due.min(Instant::now() + Duration::from_nanos(left_ns.max(0).unsigned_abs()))
     }
 
@@ -181,7 +181,7 @@ impl Bridge {
             self.fail(&error.to_string());
         }
         let measured = self.side.measure();
-        let meas_ns = transport::now().mono_ns;
+        let measured_at = transport::now().mono;
         if let Some(x) = measured {
             self.step(&Event::State(x, GOOD));
         }
@@ -194,7 +194,7 @@ impl Bridge {
         self.step(&Event::Sent);
         if let Some(x) = measured {
             let h = self.states.header();
-            if let Some(state) = self.side.message(h, meas_ns, &x, output.applied.sent) {
+            if let Some(state) = self.side.message(h, measured_at, &x, output.applied.sent) {
                 self.publish_state(&state);
             }
         }

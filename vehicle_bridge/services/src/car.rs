@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use lcm_types::{ActuationCommand, ActuationReport, VehicleState, channels};
+use lcm_types::{
+    ActuationCommand, ActuationReport, BootId, MonoTime, SeqNumber, VehicleState, channels,
+};
 use vehicle_model::{Input, State};
 
 use hosting::rule::FailureReason;
@@ -75,7 +77,7 @@ pub struct Car {
     states: Publisher,
     reports: Publisher,
     rule: FailureRule,
-    boot_id: i64,
+    boot_id: BootId,
     /// The command in force and when it came.
     command: Option<(ActuationCommand, Instant)>,
     steer: f64,
@@ -128,19 +130,20 @@ impl Car {
         on_lap: &mut dyn FnMut(usize, f64, bool),
     ) -> Result<Drive> {
         let begin = Instant::now();
-        let base_ns = if self.options.lock_step { 0 } else { transport::now().mono_ns };
+        let start = transport::now().mono;
+        let base = if self.options.lock_step { MonoTime::default() } else { start };
         while !stop.load(Ordering::Relaxed) && !self.done() {
             // Counted, not summed: a thousand additions of 0.1 miss.
             let time = self.drive.steps as f64 * self.options.period;
-            let meas_ns = base_ns + convert::nanoseconds(time);
+            let measured_at = base.plus_ns(convert::nanoseconds(time));
             let measured = self.vehicle.measure();
             let before = (self.vehicle.progress(), self.vehicle.lap());
             if self.options.lock_step {
-                if !self.step_answered(&measured, meas_ns, stop)? {
+                if !self.step_answered(&measured, measured_at, stop)? {
                     break;
                 }
             } else {
-                self.step_real_time(&measured, meas_ns, begin)?;
+                self.step_real_time(&measured, measured_at, begin)?;
             }
             self.drive.steps += 1;
             self.judge(time, before, on_lap);
@@ -157,26 +160,32 @@ impl Car {
             || self.options.laps.is_some_and(|most| laps >= most as usize)
     }
 
-    fn publish_state(&mut self, x: &State, meas_ns: i64) -> Result<i64> {
+    fn publish_state(&mut self, x: &State, measured_at: MonoTime) -> Result<SeqNumber> {
         let h = self.states.header();
-        let seq = h.seq;
+        let seq = h.number();
         let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
         let track = Arc::clone(self.vehicle.track());
         let state: VehicleState =
-            convert::state_message(h, meas_ns, x, self.vehicle.applied(), &track, lap);
+            convert::state_message(h, measured_at, x, self.vehicle.applied(), &track, lap);
         self.states.send_sealed(&state)?;
         Ok(seq)
     }
 
     /// One period in lock-step; false if there was no answer.
-    fn step_answered(&mut self, x: &State, meas_ns: i64, stop: &AtomicBool) -> Result<bool> {
+    fn step_answered(
+        &mut self,
+        x: &State,
+        measured_at: MonoTime,
+        stop: &AtomicBool,
+    ) -> Result<bool> {
         let patience = Instant::now() + self.options.patience;
-        let first = self.publish_state(x, meas_ns)?;
+        let first = self.publish_state(x, measured_at)?;
         let mut repeat = Instant::now() + REPEAT;
         loop {
             if let Some(received) = self.commands.wait_until(repeat) {
                 let answer = self.check(&received).filter(|command| {
-                    command.state_boot_id == self.boot_id && command.state_seq >= first
+                    BootId::new(command.state_boot_id) == self.boot_id
+                        && SeqNumber::new(command.state_seq) >= first
                 });
                 self.commands.recycle(received);
                 if let Some(command) = answer {
@@ -189,7 +198,7 @@ impl Car {
                     return Ok(true);
                 }
             } else {
-                self.publish_state(x, meas_ns)?;
+                self.publish_state(x, measured_at)?;
                 repeat += REPEAT;
             }
             if stop.load(Ordering::Relaxed) {
@@ -203,13 +212,13 @@ impl Car {
     }
 
     /// One period of the clock: each command acts from when it comes.
-    fn step_real_time(&mut self, x: &State, meas_ns: i64, begin: Instant) -> Result<()> {
+    fn step_real_time(&mut self, x: &State, measured_at: MonoTime, begin: Instant) -> Result<()> {
         let at = |steps: u64| begin + Duration::from_secs_f64(steps as f64 * self.options.period);
         let (start, end) = (at(self.drive.steps), at(self.drive.steps + 1));
         let late = Instant::now().saturating_duration_since(start).as_secs_f64();
         self.drive.latest = self.drive.latest.max(late);
         self.drive.late += u64::from(late > self.options.period);
-        self.publish_state(x, meas_ns)?;
+        self.publish_state(x, measured_at)?;
         let mut done = start;
         let mut left = self.options.period;
         let mut worst = SOURCE_NONE;
@@ -265,7 +274,7 @@ impl Car {
     }
 
     fn check(&mut self, received: &Received) -> Option<ActuationCommand> {
-        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let times = (received.arrival.mono, transport::now().mono);
         let car = self.vehicle.car();
         let sane = |c: &ActuationCommand| {
             (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lcm_types::{Heartbeat, Message as _, channels};
+use lcm_types::{ArmToken, BootId, Heartbeat, Message as _, channels};
 
 use transport::{Error, Filter, Inbox, Transport};
 
@@ -16,9 +16,9 @@ const WAITING: usize = 64;
 #[derive(Debug, Clone, PartialEq)]
 struct Bridge {
     heard: Instant,
-    boot_id: i64,
+    boot_id: BootId,
     sender: String,
-    token: i64,
+    token: ArmToken,
     state: i8,
 }
 
@@ -47,8 +47,8 @@ impl Grant {
         for _ in 0..WAITING {
             let Some(received) = self.inbox.take() else { break };
             if let Ok(beat) = Heartbeat::decode(&received.payload) {
-                let (token, state) = (beat.arm_token, beat.state);
-                let (boot_id, sender) = (beat.h.boot_id, beat.h.sender);
+                let (token, state) = (ArmToken::new(beat.arm_token), beat.state);
+                let (boot_id, sender) = (beat.h.sender_start(), beat.h.sender);
                 let bridge = Bridge { heard: Instant::now(), boot_id, sender, token, state };
                 self.bridge = self.bridge.take().filter(is_heard);
                 let same = self.bridge.as_ref().is_none_or(|known| known.boot_id == boot_id);
@@ -60,10 +60,10 @@ impl Grant {
         self.other = self.other.take().filter(is_heard);
     }
 
-    /// The token to echo; 0 if no bridge is heard. \[-\]
+    /// The token to echo, if a bridge is heard.
     #[must_use]
-    pub fn token(&self) -> i64 {
-        self.bridge.as_ref().map_or(0, |bridge| bridge.token)
+    pub fn token(&self) -> ArmToken {
+        self.bridge.as_ref().map_or(ArmToken::NONE, |bridge| bridge.token)
     }
 
     /// Whether commands reach the car: a bridge that runs, or none at all.
@@ -72,9 +72,9 @@ impl Grant {
         self.bridge.as_ref().is_none_or(|bridge| bridge.state == Heartbeat::RUNNING)
     }
 
-    /// Boot id of the bridge, whose states alone are answered. \[-\]
+    /// Boot id of the bridge, whose states alone are answered.
     #[must_use]
-    pub fn bridge(&self) -> Option<i64> {
+    pub fn bridge(&self) -> Option<BootId> {
         self.bridge.as_ref().map(|bridge| bridge.boot_id)
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use lcm_types::{Heartbeat, Setup, Track, channels};
+use lcm_types::{ArmToken, Heartbeat, Setup, Track, channels};
 
 use hosting::memory::resident_mb;
 use hosting::worker::Worker;
@@ -24,8 +24,8 @@ pub struct Health<D = String> {
     pub state: i8,
     /// Messages received and refused.
     pub counts: Counts,
-    /// The grant in force, 0 for none. \[-\]
-    pub arm_token: i64,
+    /// The grant in force, if any.
+    pub arm_token: ArmToken,
     /// Text for people; formatted when it is sent.
     pub detail: D,
 }
@@ -98,7 +98,7 @@ fn beat<D: Display + Clone>(
         message = Heartbeat {
             h: publisher.header(),
             state,
-            arm_token,
+            arm_token: arm_token.get(),
             uptime_s: begun.elapsed().as_secs_f64(),
             rss_mb: resident_mb("self"),
             rx_ok: counts.ok,

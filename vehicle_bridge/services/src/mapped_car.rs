@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use lcm_types::{ActuationCommand, ActuationReport, channels};
+use lcm_types::{ActuationCommand, ActuationReport, BootId, channels};
 use vehicle_model::{CarParams, Input};
 
 use super::heartbeat::HeartbeatSender;
@@ -49,11 +49,11 @@ pub struct MappedCar {
     states: Publisher,
     reports: Publisher,
     heartbeat: HeartbeatSender<mapping::Counts>,
-    boot_id: i64,
+    boot_id: BootId,
     /// Whether the car moves, by its last state.
     moves: bool,
     /// Start of the controller obeyed so far.
-    obeyed: Option<i64>,
+    obeyed: Option<BootId>,
     /// The command in force and when it came.
     command: Option<(ActuationCommand, Instant)>,
     source: i8,
@@ -161,14 +161,14 @@ impl MappedCar {
 
     /// Takes a command; true if it was believed and answers one of this start's states.
     fn on_command(&mut self, received: &Received) -> bool {
-        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let times = (received.arrival.mono, transport::now().mono);
         let (car, boot_id) = (&self.car, self.boot_id);
         // There is nobody to arm it: a controller that started anew gets the car at standstill.
         let (moves, obeyed) = (self.moves, self.obeyed);
         let welcome = |boot_id| !moves || obeyed.is_none_or(|obeyed| obeyed == boot_id);
         let sane = |c: &ActuationCommand| {
             let drives = c.enable && c.mode == ActuationCommand::MODE_DRIVE;
-            (!drives || c.state_boot_id == boot_id && welcome(c.h.boot_id))
+            (!drives || BootId::new(c.state_boot_id) == boot_id && welcome(c.h.sender_start()))
                 && (car.a_min - 1e-6..=car.a_max + 1e-6).contains(&c.accel)
                 && c.steer.abs() <= car.delta_max + 1e-6
                 && c.plan_accel.iter().chain(&c.plan_steer).all(|u| u.is_finite())
@@ -177,7 +177,7 @@ impl MappedCar {
             self.filter.check(&received.payload, times, |c: &ActuationCommand| &c.h, sane);
         let Ok(Accepted { message, .. }) = checked else { return false };
         if message.enable && message.mode == ActuationCommand::MODE_DRIVE {
-            self.obeyed = Some(message.h.boot_id);
+            self.obeyed = Some(message.h.sender_start());
         }
         self.command = Some((message, Instant::now()));
         true

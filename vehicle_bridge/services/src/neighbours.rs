@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lcm_types::Header;
+use lcm_types::{BootId, Header};
 
 /// A program not heard for this long is considered gone.
 const SILENCE: Duration = Duration::from_secs(1);
@@ -25,7 +25,7 @@ pub(super) enum Role {
 #[derive(Debug, Clone, PartialEq)]
 struct Program {
     role: Role,
-    boot_id: i64,
+    boot_id: BootId,
     sender: Arc<str>,
     heard: Instant,
 }
@@ -33,27 +33,28 @@ struct Program {
 /// The programs heard lately.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Neighbours {
-    own: i64,
+    own: BootId,
     programs: Vec<Program>,
     changed: bool,
 }
 
 impl Neighbours {
     /// Of the bridge with this boot id.
-    pub(super) fn new(own: i64) -> Self {
+    pub(super) fn new(own: BootId) -> Self {
         Self { own, ..Self::default() }
     }
 
     /// Notes who sent a message.
     pub(super) fn note(&mut self, role: Role, h: &Header) {
-        if h.boot_id == self.own {
+        if h.sender_start() == self.own {
             return;
         }
-        let known = |p: &&mut Program| (p.role, p.boot_id) == (role, h.boot_id);
+        let known = |p: &&mut Program| (p.role, p.boot_id) == (role, h.sender_start());
         if let Some(program) = self.programs.iter_mut().find(known) {
             program.heard = Instant::now();
         } else if self.programs.len() < MOST {
-            let (boot_id, sender, heard) = (h.boot_id, h.sender.as_str().into(), Instant::now());
+            let (boot_id, sender, heard) =
+                (h.sender_start(), h.sender.as_str().into(), Instant::now());
             self.programs.push(Program { role, boot_id, sender, heard });
             self.changed = true;
         }
@@ -94,7 +95,7 @@ mod tests {
 
     #[test]
     fn whoever_should_not_be_there_is_named_once() {
-        let mut neighbours = Neighbours::new(1);
+        let mut neighbours = Neighbours::new(BootId::new(1));
         let h =
             |boot_id, sender: &str| Header { boot_id, sender: sender.into(), ..Header::default() };
         neighbours.note(Role::Car, &h(1, "bridge@here"));

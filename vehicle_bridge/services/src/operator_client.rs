@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use lcm_types::{Heartbeat, Message as _, OperatorAck, OperatorCommand, channels};
+use lcm_types::{
+    ArmToken, BootId, Heartbeat, Message as _, OperatorAck, OperatorCommand, channels,
+};
 
 use protocol::publisher::{Identity, Publisher, random};
 use transport::{Filter, Inbox, Transport};
@@ -47,9 +49,9 @@ pub struct Operator {
     bridge_channel: String,
     service_channel: String,
     /// The arm token the bridge reports.
-    bridge: Option<i64>,
+    bridge: Option<ArmToken>,
     /// Boot id and sender of each bridge heard.
-    bridges: Vec<(i64, String)>,
+    bridges: Vec<(BootId, String)>,
     service: bool,
     begun: Instant,
 }
@@ -100,9 +102,9 @@ impl Operator {
         while let Some(received) = self.inbox.wait_until(deadline) {
             if received.channel == self.bridge_channel {
                 if let Ok(beat) = Heartbeat::decode(&received.payload) {
-                    self.bridge = Some(beat.arm_token);
-                    if self.bridges.iter().all(|(boot_id, _)| *boot_id != beat.h.boot_id) {
-                        self.bridges.push((beat.h.boot_id, beat.h.sender));
+                    self.bridge = Some(ArmToken::new(beat.arm_token));
+                    if self.bridges.iter().all(|(boot_id, _)| *boot_id != beat.h.sender_start()) {
+                        self.bridges.push((beat.h.sender_start(), beat.h.sender));
                     }
                 }
             } else if received.channel == self.service_channel {
@@ -141,7 +143,7 @@ impl Operator {
         while begun.elapsed() < PATIENCE {
             let looked = self.begun.elapsed() > LOOK;
             if needs_token && let Some(token) = self.bridge {
-                order.arm_token = token;
+                order.arm_token = token.get();
             }
             if !needs_token || self.bridge.is_some() || looked {
                 for _ in 0..if estop { ESTOP_TIMES } else { 1 } {

@@ -7,8 +7,8 @@ use anyhow::Result;
 use controller::Controller;
 use lcm_types::eventlog::{Damage, Reader};
 use lcm_types::{
-    ActuationCommand, Checked as _, Message as _, OperatorAck, OperatorCommand, VehicleState,
-    channels,
+    ActuationCommand, BootId, Checked as _, Message as _, OperatorAck, OperatorCommand, SeqNumber,
+    VehicleState, channels,
 };
 use vehicle_model::Input;
 
@@ -24,7 +24,7 @@ pub struct Replay {
     /// Of those, the ones that came out in the same bits. \[-\]
     pub identical: u64,
     /// Number of the first command that did not.
-    pub first_difference: Option<i64>,
+    pub first_difference: Option<SeqNumber>,
     /// Commands whose state is not in the log. \[-\]
     pub without_state: u64,
     /// Messages of the two channels that could not be read. \[-\]
@@ -63,7 +63,9 @@ pub fn replay(log: impl Read, controller: &mut Controller) -> Result<Replay> {
         let event = event?;
         match event.channel.as_str() {
             channels::STATE => match VehicleState::open(&event.data) {
-                Ok(state) => drop(player.states.insert((state.h.boot_id, state.h.seq), state)),
+                Ok(state) => {
+                    drop(player.states.insert((state.h.sender_start(), state.h.number()), state))
+                }
                 Err(_) => player.found.unreadable += 1,
             },
             channels::OPERATOR => match OperatorCommand::open(&event.data) {
@@ -96,7 +98,7 @@ struct Player<'a> {
     controller: &'a mut Controller,
     track_id: i64,
     schedule: Schedule,
-    states: BTreeMap<(i64, i64), VehicleState>,
+    states: BTreeMap<(BootId, SeqNumber), VehicleState>,
     /// Speed caps ordered, by the number of the order. \[m/s\]
     caps: BTreeMap<i64, f64>,
     cap: Option<f64>,
@@ -107,8 +109,8 @@ struct Player<'a> {
 /// The last state answered.
 #[derive(Clone, Copy)]
 struct Last {
-    boot_id: i64,
-    seq: i64,
+    boot_id: BootId,
+    seq: SeqNumber,
     meas_mono_ns: i64,
     /// The controller answered it.
     stepped: bool,
@@ -128,14 +130,15 @@ impl Player<'_> {
 
     fn answer(&mut self, command: &ActuationCommand) {
         let drives = command.mode == ActuationCommand::MODE_DRIVE;
-        let Some(state) = self.states.get(&(command.state_boot_id, command.state_seq)) else {
+        let answered = (BootId::new(command.state_boot_id), SeqNumber::new(command.state_seq));
+        let Some(state) = self.states.get(&answered) else {
             self.found.without_state += u64::from(drives);
             return;
         };
-        let (boot_id, meas_mono_ns) = (state.h.boot_id, state.meas_mono_ns);
+        let (boot_id, meas_mono_ns) = (state.h.sender_start(), state.meas_mono_ns);
         if let Some(last) =
             self.last.filter(|l| (l.boot_id, l.meas_mono_ns) == (boot_id, meas_mono_ns))
-            && (if drives { last.stepped } else { last.seq == state.h.seq })
+            && (if drives { last.stepped } else { last.seq == state.h.number() })
         {
             // The same measurement again, or no new one to answer: no step.
             return;
@@ -144,7 +147,7 @@ impl Player<'_> {
             self.schedule.restart(meas_mono_ns, state.h.mono_ns);
         }
         let input = self.last.map(|last| last.input).unwrap_or_default();
-        let seq = state.h.seq;
+        let seq = state.h.number();
         let mut next = Last { boot_id, seq, meas_mono_ns, stepped: false, input, cut: true };
         let time_ns = self.schedule.time(meas_mono_ns);
         if let (true, Some(time_ns), Some(pose)) =
@@ -167,7 +170,7 @@ impl Player<'_> {
             && input.delta.to_bits() == command.steer.to_bits();
         self.found.identical += u64::from(same);
         if !same && self.found.first_difference.is_none() {
-            self.found.first_difference = Some(command.h.seq);
+            self.found.first_difference = Some(command.h.number());
         }
     }
 }

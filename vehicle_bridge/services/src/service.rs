@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use controller::{Command, Controller, Reason};
 use lcm_types::{
-    ActuationCommand, Heartbeat, OperatorAck, OperatorCommand, VehicleState, channels,
+    ActuationCommand, Heartbeat, MonoTime, OperatorAck, OperatorCommand, VehicleState, channels,
 };
 use vehicle_model::Input;
 
@@ -89,7 +89,7 @@ struct Last {
     answered: Answered,
     input: Input,
     speed: f64,
-    arrival_ns: i64,
+    arrival: MonoTime,
     /// The input was cut after the controller gave it.
     cut: bool,
     /// The controller answered this state.
@@ -178,15 +178,15 @@ impl Service {
         let (mut newest, mut next) = (None, Some(first));
         for _ in 0..WAITING {
             let Some(received) = next else { break };
-            newest = self.believe(&received).map(|s| (s, received.arrival.mono_ns)).or(newest);
+            newest = self.believe(&received).map(|s| (s, received.arrival.mono)).or(newest);
             self.states.recycle(received);
             next = self.states.take();
         }
-        let Some((state, arrival_ns)) = newest else { return false };
+        let Some((state, arrival)) = newest else { return false };
         match self.mode() {
-            ActuationCommand::MODE_DRIVE => self.drive(&state, arrival_ns, on_lap),
+            ActuationCommand::MODE_DRIVE => self.drive(&state, arrival, on_lap),
             mode => {
-                self.remember(&state, arrival_ns);
+                self.remember(&state, arrival);
                 self.publish_stop(mode);
             }
         }
@@ -203,41 +203,41 @@ impl Service {
 
     /// A state, if it is believed.
     fn believe(&mut self, received: &Received) -> Option<VehicleState> {
-        let (arrival_ns, now_ns) = (received.arrival.mono_ns, transport::now().mono_ns);
+        let (arrival, now) = (received.arrival.mono, transport::now().mono);
         let (track_id, bridge) = (self.track_id, self.grant.bridge());
         let sane = |state: &VehicleState| {
             // Another car's answers would be another car's commands.
-            bridge.is_none_or(|bridge| state.h.boot_id == bridge)
+            bridge.is_none_or(|bridge| state.h.sender_start() == bridge)
                 && state.quality > 0
                 && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
         };
-        let times = (arrival_ns, now_ns);
+        let times = (arrival, now);
         let checked = self.filter.check(&received.payload, times, |state| &state.h, sane);
         let Accepted { message: state, fresh_start } = checked.ok()?;
         if fresh_start {
-            self.schedule.restart(state.meas_mono_ns, arrival_ns);
+            self.schedule.restart(state.meas_mono_ns, arrival.as_ns());
         }
         Some(state)
     }
 
-    fn remember(&mut self, state: &VehicleState, arrival_ns: i64) {
+    fn remember(&mut self, state: &VehicleState, arrival: MonoTime) {
         let input = self.last.map(|last| last.input).unwrap_or_default();
         let (answered, speed) = (Answered::of(state), state.vx);
-        self.last = Some(Last { answered, input, speed, arrival_ns, cut: true, stepped: false });
+        self.last = Some(Last { answered, input, speed, arrival, cut: true, stepped: false });
     }
 
-    fn drive(&mut self, state: &VehicleState, arrival_ns: i64, on_lap: OnLap<'_>) {
+    fn drive(&mut self, state: &VehicleState, arrival: MonoTime, on_lap: OnLap<'_>) {
         let answered = Answered::of(state);
         if self.last.is_some_and(|last| {
             last.stepped
                 && last.answered.boot_id == answered.boot_id
-                && last.answered.mono_ns == answered.mono_ns
+                && last.answered.measured == answered.measured
         }) {
             // The same measurement again: the car did not receive the answer.
             self.publish_command(answered, ActuationCommand::MODE_DRIVE);
             return;
         }
-        let Some(time_ns) = self.schedule.due(state.meas_mono_ns, arrival_ns) else { return };
+        let Some(time_ns) = self.schedule.due(state.meas_mono_ns, arrival.as_ns()) else { return };
         let Some(pose) = convert::pose(state, self.track_id) else { return };
         let period = self.controller.config().horizon.period;
         // Normally the controller's own word is what was applied.
@@ -251,8 +251,8 @@ impl Service {
         let before = self.last.map(|last| last.input).unwrap_or_default();
         let input = operator::capped(command.input, before, state.vx, cap, &self.controller);
         let cut = input != command.input;
-        self.last = Some(Last { answered, input, speed: state.vx, arrival_ns, cut, stepped: true });
-        let elapsed = || (transport::now().mono_ns - arrival_ns) as f64 * 1e-9;
+        self.last = Some(Last { answered, input, speed: state.vx, arrival, cut, stepped: true });
+        let elapsed = || transport::now().mono.ns_since(arrival) as f64 * 1e-9;
         if self.deadlines.step(elapsed() > period) {
             self.authority.state = Heartbeat::SAFE_STOP;
         }
@@ -319,7 +319,7 @@ impl Service {
     /// No state came in time. The car follows its last command's plan as long as that is valid.
     fn overdue(&mut self) {
         let Some(last) = self.last else { return };
-        let silent_ns = transport::now().mono_ns - last.arrival_ns;
+        let silent_ns = transport::now().mono.ns_since(last.arrival);
         if silent_ns > convert::nanoseconds(self.options.valid_for) {
             self.publish_stop(match self.mode() {
                 ActuationCommand::MODE_DRIVE => ActuationCommand::MODE_SAFE_STOP,
@@ -329,7 +329,7 @@ impl Service {
     }
 
     fn on_operator_command(&mut self, received: &Received) {
-        let times = (received.arrival.mono_ns, transport::now().mono_ns);
+        let times = (received.arrival.mono, transport::now().mono);
         let order = match self.operators.hear(&received.payload, times) {
             None => return,
             Some(Heard::New(order)) => order,
@@ -355,7 +355,7 @@ impl Service {
             detail: answer.err().unwrap_or_default(),
         };
         let sent = self.acks.send(&ack);
-        self.operators.answered(order.h.boot_id, &ack);
+        self.operators.answered(order.h.sender_start(), &ack);
         self.count(sent);
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use controller::Pose;
-use lcm_types::{Header, VehicleState};
+use lcm_types::{Header, MonoTime, VehicleState};
 use vehicle_model::{Input, State, Track};
 
 use mapping::{Drive, Mapping};
@@ -106,15 +106,21 @@ impl CarSide {
         }
     }
 
-    /// The message of a simulated car's state, measured at `meas_ns` \[ns\].
+    /// The message of a simulated car's state, measured at `measured`.
     #[must_use]
-    pub fn message(&self, h: Header, meas_ns: i64, x: &State, sent: Input) -> Option<VehicleState> {
+    pub fn message(
+        &self,
+        h: Header,
+        measured: MonoTime,
+        x: &State,
+        sent: Input,
+    ) -> Option<VehicleState> {
         let vehicle = match self {
             Self::Simulated(vehicle) | Self::Stepped(SteppedSide { vehicle, .. }) => vehicle,
             Self::Mapped(_) => return None,
         };
         let lap = i32::try_from(vehicle.lap()).unwrap_or(0);
-        Some(convert::state_message(h, meas_ns, x, sent, vehicle.track(), lap))
+        Some(convert::state_message(h, measured, x, sent, vehicle.track(), lap))
     }
 
     /// A message of the car, on one of its channels; the state it completes.

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
-use lcm_types::{ActuationCommand, Checked as _, Header};
+use lcm_types::{ActuationCommand, ArmToken, BootId, Checked as _, Header, MonoTime, SeqNumber};
 use protocol::convert::{Answered, CommandDraft};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -16,9 +16,9 @@ use vehicle_model::{CarParams, Input, Limit, Plant, PlantParams, SensorNoise, St
 
 const MS: i64 = 1_000_000;
 const TICK_MS: i64 = 10;
-const BRIDGE: i64 = 5;
-const CONTROLLER: i64 = 77;
-const TOKEN: i64 = 9;
+const BRIDGE: BootId = BootId::new(5);
+const CONTROLLER: BootId = BootId::new(77);
+const TOKEN: ArmToken = ArmToken::new(9);
 /// Drives, each with another seed. \[-\]
 const DRIVES: u64 = 64;
 /// Duration of a drive. \[ms\]
@@ -85,7 +85,7 @@ struct Bridge {
 
 impl Bridge {
     fn on(&mut self, event: &Event<'_>, at_ms: i64) -> safety::Output {
-        let (next, output) = step(&self.rules, &self.safety, event, at_ms * MS);
+        let (next, output) = step(&self.rules, &self.safety, event, MonoTime::from_ns(at_ms * MS));
         self.safety = next;
         output
     }
@@ -135,13 +135,13 @@ fn drive(seed: u64) -> Seen {
     let begin_ms = 2_000;
     for at_ms in (begin_ms - 1_100..begin_ms).step_by(TICK_MS as usize) {
         bridge.on(&Event::State(plant.measure(), 2), at_ms);
-        bridge.on(&Event::Published(at_ms), at_ms);
+        bridge.on(&Event::Published(SeqNumber::new(at_ms)), at_ms);
         bridge.on(&Event::Tick, at_ms);
     }
     bridge.on(&Event::Heartbeat(CONTROLLER), begin_ms);
     let setup = bridge.rules.setup;
     bridge.on(&Event::Setup(CONTROLLER, setup), begin_ms);
-    bridge.order(OrderKind::Arm { moving: false, controller: 0 }, begin_ms);
+    bridge.order(OrderKind::Arm { moving: false, controller: BootId::NONE }, begin_ms);
     bridge.order(OrderKind::Start, begin_ms);
 
     let (mut last, mut wanted, mut applied) = (Input::default(), None, Input::default());
@@ -151,13 +151,13 @@ fn drive(seed: u64) -> Seen {
     let mut in_force: Option<(i64, Input)> = None;
     let mut known_from_ms = 0;
     for at_ms in begin_ms..begin_ms + LENGTH_MS {
-        let since_ms = at_ms - begin_ms;
+        let (at, since_ms) = (MonoTime::from_ns(at_ms * MS), at_ms - begin_ms);
         let context =
             || format!("seed {seed}, {} on {}, {since_ms} ms", case.car.name, case.track.name());
         let tick = at_ms % TICK_MS == 0;
         if tick {
             bridge.on(&Event::State(plant.measure(), 2), at_ms);
-            bridge.on(&Event::Published(at_ms), at_ms);
+            bridge.on(&Event::Published(SeqNumber::new(at_ms)), at_ms);
         }
         let cap = case.cap.filter(|_| since_ms >= LENGTH_MS / 3);
         if since_ms == LENGTH_MS / 3
@@ -176,7 +176,7 @@ fn drive(seed: u64) -> Seen {
             wanted = Some(command.input);
             let input = capped(command.input, last, x.v_x, cap, &controller);
             let order = CommandDraft {
-                answered: Answered { boot_id: BRIDGE, seq: at_ms, mono_ns: at_ms * MS },
+                answered: Answered { boot_id: BRIDGE, seq: SeqNumber::new(at_ms), measured: at },
                 mode: ActuationCommand::MODE_DRIVE,
                 input,
                 plan: (input == command.input).then(|| controller.plan()),
@@ -184,14 +184,15 @@ fn drive(seed: u64) -> Seen {
                 valid_for_us: 250_000,
                 arm_token: TOKEN,
             };
-            let h = Header { boot_id: CONTROLLER, seq: seen.commands.into(), ..Header::default() };
+            let boot_id = CONTROLLER.get();
+            let h = Header { boot_id, seq: seen.commands.into(), ..Header::default() };
             under_way = Some((at_ms + case.latency_ms, sealed(&order.message(h)), (at_ms, input)));
             last = input;
             seen.commands += 1;
             controller.prepare();
         }
         if let Some((_, bytes, (sent_ms, input))) = under_way.take_if(|(due, ..)| *due <= at_ms) {
-            let command = decode(&bytes, at_ms * MS, &bridge.rules, "elsewhere").unwrap();
+            let command = decode(&bytes, at, &bridge.rules, "elsewhere").unwrap();
             let answer = bridge.on(&Event::Command(&command), at_ms).answer;
             assert_eq!(answer, Answer::Accepted, "{}: {input:?}", context());
             in_force = (sent_ms - begin_ms >= known_from_ms).then_some((at_ms, input));

@@ -6,6 +6,7 @@ mod source;
 
 use std::fmt;
 use std::fs;
+use std::io::Read as _;
 use std::path::Path;
 
 use serde::Serialize;
@@ -89,6 +90,9 @@ pub struct Checked {
     pub problems: Vec<Finding>,
 }
 
+/// Longest file that is read; a map of a long circuit takes a few MiB. \[B\]
+const LONGEST: usize = 64 << 20;
+
 /// Checks a file.
 #[must_use]
 pub fn check_file(path: &Path) -> Checked {
@@ -99,10 +103,16 @@ pub fn check_file(path: &Path) -> Checked {
         facts: Vec::new(),
         problems: vec![Finding { line: None, column: None, message }],
     };
-    let bytes = match fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) => return unreadable(format!("cannot be read: {error}")),
-    };
+    let mut bytes = Vec::new();
+    let read =
+        fs::File::open(path).and_then(|file| file.take(LONGEST as u64 + 1).read_to_end(&mut bytes));
+    if let Err(error) = read {
+        return unreadable(format!("cannot be read: {error}"));
+    }
+    if bytes.len() > LONGEST {
+        let most = LONGEST >> 20;
+        return unreadable(format!("is longer than {most} MiB: no file of settings is"));
+    }
     match String::from_utf8(bytes) {
         Ok(text) => check_text(&file, &text),
         Err(error) => {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::NetworkArgs;
+use hil_bench::fault::EndSignal;
 
 const DOCTOR_EXAMPLES: &str = "\
 Examples:
@@ -114,6 +115,27 @@ pub enum Probe {
         /// The network to drive on
         #[command(flatten)]
         network: NetworkArgs,
+    },
+    /// Drive with `serve --log`, replay that log
+    LoggedDrive {
+        /// The network to drive on
+        #[command(flatten)]
+        network: NetworkArgs,
+    },
+    /// Send control sequences in every text, look at what `top` and `operator` write
+    HostileText {
+        /// The network to send on
+        #[command(flatten)]
+        network: NetworkArgs,
+    },
+    /// End `vehicle car` by a signal while a car with messages of its own drives
+    SignalledCar {
+        /// The network to drive on
+        #[command(flatten)]
+        network: NetworkArgs,
+        /// The signal: int, term, hup or quit
+        #[arg(long, value_name = "SIGNAL")]
+        signal: EndSignal,
     },
 }
 

@@ -141,7 +141,10 @@ impl Command {
             Self::Hil(args) => match &args.action {
                 HilAction::Drive(args) => Some(&args.network),
                 HilAction::Probe(args) => match &args.probe {
-                    Probe::DamagedLog { network } => Some(network),
+                    Probe::DamagedLog { network }
+                    | Probe::LoggedDrive { network }
+                    | Probe::HostileText { network }
+                    | Probe::SignalledCar { network, .. } => Some(network),
                     Probe::SaverKills { .. } | Probe::Saver => None,
                 },
                 HilAction::Run(_) => None,

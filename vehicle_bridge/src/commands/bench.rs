@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 
 use super::Outcome;
 use crate::cli::BenchArgs;
-use crate::console::{Talk, result};
+use crate::console::{self, Talk, result};
 use hosting::problem_file;
 use step_timing::{CaseTimes, Plan, cases, compare, compared_text, measure, text};
 
@@ -32,7 +32,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
         all.push(times);
     }
     if args.json {
-        result(&serde_json::to_string_pretty(&all)?)?;
+        console::json(&all)?;
     }
     Ok(Outcome::Done)
 }

@@ -10,7 +10,7 @@ use super::Outcome;
 use super::study::others;
 use super::study_progress::Progress;
 use crate::cli::{CampaignArgs, MergeArgs};
-use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
+use crate::console::{self, BAD, GOOD, Talk, WARN, paint, result};
 use hosting::parallel::{parallel, threads};
 use hosting::settings::Usage;
 use studies::campaign::{
@@ -140,7 +140,7 @@ fn conclude(
             "missing": missing,
             "table": table.display().to_string(),
         });
-        result(&serde_json::to_string_pretty(&all)?)?;
+        console::json(&all)?;
     } else {
         result(&by_axis(&sheet.axes, columns, rows))?;
         let allowed = match sheet.failed_runs {

@@ -13,7 +13,7 @@ use super::Outcome;
 use super::config::{DIGITS, row};
 use crate::check::{Checked, Kind, check_file};
 use crate::cli::CheckArgs;
-use crate::console::{BAD, GOOD, SOFT, paint, result};
+use crate::console::{self, BAD, GOOD, SOFT, paint, result};
 use hosting::load;
 use hosting::settings::{Layers, Origin, Setting};
 
@@ -38,7 +38,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
         args.files.iter().map(|file| report(file, args)).collect::<Result<_>>()?;
     let bad = reports.iter().any(|report| !report.checked.problems.is_empty());
     if args.json {
-        result(&serde_json::to_string_pretty(&reports)?)?;
+        console::json(&reports)?;
     } else {
         for Report { checked: file, lines, .. } in &reports {
             let (name, kind) = (&file.file, file.kind);

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::Outcome;
 use crate::cli::DoctorArgs;
-use crate::console::{BAD, GOOD, SOFT, WARN, paint, result};
+use crate::console::{self, BAD, GOOD, SOFT, WARN, paint, result};
 use crate::doctor::{Level, Subjects, examine};
 
 /// Examines this computer and prints what was found.
@@ -16,7 +16,7 @@ pub(super) fn run(args: &DoctorArgs) -> Result<Outcome> {
         fmus: args.fmus.clone(),
     });
     if args.json {
-        result(&serde_json::to_string_pretty(&findings)?)?;
+        console::json(&findings)?;
     } else {
         for finding in &findings {
             let (style, word) = match finding.level {

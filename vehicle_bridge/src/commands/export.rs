@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 
 use super::Outcome;
 use crate::cli::ExportArgs;
-use crate::console::{Talk, WARN, paint, result};
+use crate::console::{self, Talk, WARN, paint, result};
 use log_export::{Account, Types, csv, mcap};
 
 /// Writes a log for other tools.
@@ -26,7 +26,7 @@ pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {
         }
     }
     if args.json {
-        result(&serde_json::to_string_pretty(&account)?)?;
+        console::json(&account)?;
     } else {
         tell(&account)?;
     }

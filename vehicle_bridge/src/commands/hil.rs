@@ -8,8 +8,8 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, bail};
 use comfy_table::{Table, presets};
 
-use super::Outcome;
 use super::network::on_signal;
+use super::{Outcome, folders};
 use crate::check::check_file;
 use crate::cli::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
 use crate::console::{BAD, GOOD, Talk, paint, result};
@@ -38,8 +38,7 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
     let mut tested = Tested::new(&bench, &args.bench, &lmpc)?;
     tested.options = options(args);
     tested.tester = args.tester.clone().unwrap_or_default();
-    std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    folders::results(&args.out)?;
     let total: u32 = bench.scenarios.iter().map(|scenario| bench.repeats(scenario)).sum();
     let mut count = 0;
     let jobs = args.jobs as usize;
@@ -81,6 +80,11 @@ fn measure(args: &ProbeArgs) -> Result<()> {
         Probe::SaverKills { kills } => probe::saver_kills(&args.dir, args.seed, *kills)?,
         Probe::Saver => probe::saver(&args.dir, || Ok(result("ready")?))?,
         Probe::DamagedLog { network } => probe::damaged_log(&args.dir, args.seed, &network.url())?,
+        Probe::LoggedDrive { network } => probe::logged_drive(&args.dir, &network.url())?,
+        Probe::HostileText { network } => probe::hostile_text(&args.dir, &network.url())?,
+        Probe::SignalledCar { network, signal } => {
+            probe::signalled_car(&args.dir, &network.url(), *signal)?
+        }
     };
     for (name, value) in measured {
         result(&format!("{name} {value}"))?;

@@ -7,9 +7,9 @@ use hosting::learned;
 use serde_json::json;
 use vehicle_model::Track;
 
-use super::{Outcome, setup};
+use super::{Outcome, folders, setup};
 use crate::cli::LearnArgs;
-use crate::console::{BAD, BEST, SOFT, Talk, paint, result};
+use crate::console::{self, BAD, BEST, SOFT, Talk, paint, result};
 
 /// A drive of which less than this share is inside the track is in another frame.
 const LEAST_INSIDE: f64 = 0.5;
@@ -18,6 +18,7 @@ const LEAST_INSIDE: f64 = 0.5;
 pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 1, talk)?;
     let (config, car, track) = (options.config, options.nominal, options.track);
+    folders::file(&args.out)?;
     let recording = driven_laps::read(&args.file, &args.channel)?;
     let driven = driven_laps::drive(
         &recording,
@@ -45,7 +46,7 @@ pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
     learned::save(&args.out, &controller)?;
     if args.json {
         let summary = summary(args, &recording, &driven, controller.grip());
-        result(&serde_json::to_string_pretty(&summary)?)?;
+        console::json(&summary)?;
         return Ok(Outcome::Done);
     }
     result(&origin(&recording, &driven))?;

@@ -9,6 +9,7 @@ mod config_schema;
 mod doctor;
 mod export;
 mod fmu;
+mod folders;
 mod hil;
 mod key;
 mod learn;

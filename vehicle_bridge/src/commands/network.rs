@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
@@ -12,7 +12,7 @@ use controller::{Config, Controller};
 use lcm_types::channels;
 use vehicle_model::{Plant, PlantParams, State, Track};
 
-use super::{Outcome, setup, vehicle};
+use super::{Outcome, folders, setup, vehicle};
 use crate::cli::{
     CarArgs, ControllerArgs, FmuVehicleArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs,
     SimArgs,
@@ -22,6 +22,7 @@ use auth::{Key, Seal, Signed};
 use hosting::realtime;
 use hosting::rule::FailureRule;
 use hosting::shutdown::{self, Shutdown};
+use hosting::worker::Worker;
 use hosting::{learned, load};
 use protocol::convert;
 use racing::RaceOptions;
@@ -41,6 +42,8 @@ use vehicle_host::Vehicle;
 const VALID_PERIODS: f64 = 2.5;
 /// Of a network that leaves this host.
 const UNSIGNED: &str = "without a key (--key) every program on this network can command the car";
+/// How often a log is looked at.
+const LOOK: Duration = Duration::from_millis(50);
 /// In lock-step, how long the car waits for an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -58,8 +61,11 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         talk.say(&format!("{} laps loaded from {}", controller.laps().len(), path.display()));
     }
     let (network, mut notes, seal) = connect(&args.network, args.realtime)?;
-    let (network, log) = logged(network, args.log.as_deref())?;
+    let (network, log) = logged(network, args.log.as_deref(), talk)?;
     notes.extend(real_time(args.realtime));
+    // It drives all the same, and tries again: the disk may come.
+    let unsaved = args.learned.as_deref().and_then(|path| folders::file(path).err());
+    notes.extend(unsaved.map(|error| format!("{error:#}")));
     for note in &notes {
         warn(note);
     }
@@ -69,7 +75,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         valid_for: args.valid_for_ms.map_or(VALID_PERIODS * period, |ms| f64::from(ms) * 1e-3),
         notes,
         setup: setup_message(&args.controller, &controller)?,
-        log,
+        log: log.as_ref().map(|watched| watched.log.clone()),
         seal,
         overrun: args.bench_overrun,
     };
@@ -285,14 +291,34 @@ pub(super) fn connect(args: &NetworkArgs, fifo: bool) -> Result<Connected> {
     Ok((Arc::new(signed), warnings, Some(seal)))
 }
 
+/// A log and the thread that reports at once when the disk stops taking messages, and takes them again.
+pub(super) struct Watched {
+    pub(super) log: Log,
+    _watch: Worker,
+}
+
 /// The network with a log behind it, if one is wanted.
 pub(super) fn logged(
     network: Arc<dyn Transport>,
     path: Option<&Path>,
-) -> Result<(Arc<dyn Transport>, Option<Log>)> {
+    talk: Talk,
+) -> Result<(Arc<dyn Transport>, Option<Watched>)> {
     let Some(path) = path else { return Ok((network, None)) };
     let (network, log) = record::logged(network, path)?;
-    Ok((network, Some(log)))
+    let watched = log.clone();
+    let _watch = Worker::start("lmpc-log-watch", move |stop| {
+        let mut known = false;
+        while !stop.load(Ordering::Relaxed) {
+            let troubled = watched.is_troubled();
+            if let Some(complaint) = watched.complaint().filter(|_| troubled != known) {
+                let end = if troubled { "" } else { "; it is written again" };
+                talk.say(&paint(WARN, &format!("warning: {complaint}{end}")));
+                known = troubled;
+            }
+            std::thread::sleep(LOOK);
+        }
+    })?;
+    Ok((network, Some(Watched { log, _watch })))
 }
 
 /// Takes real-time rights for this thread; what is missing, in words.

@@ -42,7 +42,7 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let bare = Arc::clone(&network);
     let watchdog = Watchdog::new(args.relay.as_deref())?;
     let (network, recording) = black_box(network, args, &mut notes);
-    let (network, log) = logged(network, args.log.as_deref())?;
+    let (network, log) = logged(network, args.log.as_deref(), talk)?;
     notes.extend(real_time(args.realtime));
     let tick = Duration::from_nanos(rules.tick_ns.unsigned_abs());
     let side = side(args, &options, tick, &network)?;
@@ -62,7 +62,10 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     ));
     let panic_after = args.bench_panic_s.map(Duration::from_secs_f64);
     let bridge = Bridge::new(rules, side, notes, &network)?.watching(&bare)?;
-    let bridge = bridge.with_log(log.or(recording)).with_seal(seal).with_panic(panic_after);
+    let bridge = bridge
+        .with_log(log.as_ref().map(|watched| watched.log.clone()).or(recording))
+        .with_seal(seal)
+        .with_panic(panic_after);
     let mut bridge = bridge.with_watchdog(watchdog);
     let bridged = bridge.run(&shutdown, &mut |phase, reason| {
         let why = if reason == StopReason::None { String::new() } else { format!(" ({reason})") };

@@ -8,9 +8,9 @@ use optimum::{Optimum, Options, Progress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
-use super::Outcome;
+use super::{Outcome, folders};
 use crate::cli::OptimumArgs;
-use crate::console::{BEST, SOFT, Talk, paint, result};
+use crate::console::{self, BEST, SOFT, Talk, paint, result};
 use hosting::load;
 use hosting::settings::{Layers, Usage};
 use optimum_store::{Store, files};
@@ -28,9 +28,8 @@ pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
         track.name(),
         track.length()
     ));
+    folders::results(&args.out)?;
     let lap = solve(&car, &track, &options, talk)?;
-    fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let at = |name: &str| args.out.join(name);
     let write = |name: &str, text: String| {
         fs::write(at(name), text).with_context(|| format!("cannot write {}", at(name).display()))
@@ -42,7 +41,7 @@ pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
     let kept = store.save(&car, &track, margin, &lap)?;
     talk.say(&format!("kept as {}", kept.display()));
     if args.json {
-        result(&serde_json::to_string_pretty(&summary(&car, &track, margin, &lap))?)?;
+        console::json(&summary(&car, &track, margin, &lap))?;
         return Ok(Outcome::Done);
     }
     let quality = &lap.quality;

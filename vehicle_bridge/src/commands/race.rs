@@ -8,9 +8,9 @@ use controller::Response;
 use serde_json::json;
 
 use super::race_table::{LapTable, head};
-use super::{Outcome, optimum, seeds, setup, vehicle};
+use super::{Outcome, folders, optimum, seeds, setup, vehicle};
 use crate::cli::{OnFailure, RaceArgs};
-use crate::console::{BAD, BEST, SOFT, Talk, WARN, paint, result};
+use crate::console::{self, BAD, BEST, SOFT, Talk, WARN, paint, result};
 use hosting::{learned, problem_file};
 use optimum_store::{Known, Store};
 use racing::raceline::{self, Raceline};
@@ -36,8 +36,8 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     options.seed = args.seed;
     options.keep_unsolved = args.dump_qp.is_some();
     options.config.warm_up.seed = args.seed;
-    fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    folders::results(&args.out)?;
+    args.save.as_deref().map_or(Ok(()), folders::file)?;
     let lead = lead(&options);
     talk.say(&lead);
     let mut race = vehicle::race(args, &options)?;
@@ -60,7 +60,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         talk.say(&format!("learned data saved to {}", path.display()));
     }
     if args.json {
-        result(&serde_json::to_string_pretty(&summary(&race, &args.out, known))?)?;
+        console::json(&summary(&race, &args.out, known))?;
     } else {
         for line in account(&race, known) {
             result(&line)?;

@@ -1,15 +1,13 @@
 //! `lmpc race --seeds`: the same race with several seeds.
 
-use std::fs;
-
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use serde_json::json;
 
 use super::race::{given_line, lead, measured, outcome, write};
-use super::{Outcome, vehicle};
+use super::{Outcome, folders, vehicle};
 use crate::cli::RaceArgs;
-use crate::console::{BAD, GOOD, Talk, paint, result};
+use crate::console::{self, BAD, GOOD, Talk, paint, result};
 use hosting::parallel::{parallel, threads};
 use optimum_store::Known;
 use racing::record::{is_fallback, median};
@@ -42,6 +40,7 @@ pub(super) fn run(
     let seeds: Vec<u64> = (0..u64::from(count)).map(|i| args.seed + i).collect();
     let raceline = given_line(args)?;
     talk.say(&lead(base));
+    folders::results(&args.out)?;
     let mut done: Vec<Seed> = Vec::new();
     let work = |&seed: &u64| -> Result<Seed> {
         let mut options = base.clone();
@@ -50,8 +49,7 @@ pub(super) fn run(
         let mut race = vehicle::race(args, &options)?;
         race.run(|_| {})?;
         let folder = args.out.join(format!("seed-{seed}"));
-        fs::create_dir_all(&folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        folders::results(&folder)?;
         write(&folder, &race, &options, &lead(&options), (known, raceline.as_ref()))?;
         Ok(sum_up(seed, &race))
     };
@@ -65,7 +63,7 @@ pub(super) fn run(
     })?;
     done.sort_by_key(|seed| seed.seed);
     if args.json {
-        result(&serde_json::to_string_pretty(&as_json(&done, known))?)?;
+        console::json(&as_json(&done, known))?;
     } else {
         result(&table(&done).to_string())?;
         let failed = done.iter().filter(|s| s.failure.is_some()).count();

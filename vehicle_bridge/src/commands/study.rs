@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use super::study_progress::bar;
 use super::{Outcome, campaign, study_tracks};
 use crate::cli::{PaperStudyArgs, Study, StudyArgs};
-use crate::console::{Talk, result};
+use crate::console::{self, Talk, result};
 use hosting::parallel::{parallel, threads};
 use studies::{
     Cell, Definition, Ledger, Plan, RunRow, StudyName, page, run_one, summarize, text_table,
@@ -79,7 +79,7 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
     fs::write(&report, page(&study, &summaries, &ledger.runs, &ledger.laps))
         .with_context(|| format!("cannot write {}", report.display()))?;
     if args.json {
-        result(&serde_json::to_string_pretty(&summaries)?)?;
+        console::json(&summaries)?;
     } else {
         result(&study.title)?;
         result(&text_table(&summaries))?;

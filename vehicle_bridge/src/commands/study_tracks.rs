@@ -11,7 +11,7 @@ use super::study::others;
 use super::study_progress::Progress;
 use super::{Outcome, setup};
 use crate::cli::{ControllerArgs, TracksStudyArgs};
-use crate::console::{BAD, GOOD, Talk, WARN, paint, result};
+use crate::console::{self, BAD, GOOD, Talk, WARN, paint, result};
 use hosting::parallel::{parallel, threads};
 use studies::tracks::{
     Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
@@ -53,7 +53,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
         let all = json!({
             "runs": book.rows.len(), "failed": failed, "cells": summaries, "refused": refused,
         });
-        result(&serde_json::to_string_pretty(&all)?)?;
+        console::json(&all)?;
     } else {
         result(&text_table(&summaries))?;
         let text = format!("{failed} of {} runs failed", book.rows.len());

@@ -11,7 +11,7 @@ use anyhow::Result;
 use super::Outcome;
 use super::network::{connect, on_signal};
 use crate::cli::TopArgs;
-use crate::console::{Talk, harmless, result};
+use crate::console::{self, Talk, harmless, result};
 use crate::top::draw;
 use network_watch::{Snapshot, Watch};
 use transport::{Filter, Message};
@@ -38,12 +38,12 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
     let entrance = Arc::clone(&watch);
     let take = move |message: &Message<'_>| {
         let mut watch = entrance.lock().unwrap_or_else(PoisonError::into_inner);
-        watch.take(message.channel, message.payload, message.arrival.mono_ns);
+        watch.take(message.channel, message.payload, message.arrival.mono.as_ns());
     };
     network.subscribe(Filter::All, Box::new(take))?;
     let look = || -> Snapshot {
         let watch = watch.lock().unwrap_or_else(PoisonError::into_inner);
-        watch.snapshot(transport::now().mono_ns)
+        watch.snapshot(transport::now().mono.as_ns())
     };
     let stop = on_signal()?;
     let wait = |until: Instant| {
@@ -55,7 +55,7 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
         wait(Instant::now() + Duration::from_secs_f64(args.listen));
         let seen = look();
         if args.json {
-            result(&serde_json::to_string_pretty(&seen)?)?;
+            console::json(&seen)?;
         } else {
             for line in draw(&seen, &url, size().0) {
                 result(&line)?;

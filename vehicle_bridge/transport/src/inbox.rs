@@ -161,7 +161,7 @@ mod tests {
     fn send(inbox: &Inbox, numbers: std::ops::Range<u8>) {
         let mut sink = inbox.sink();
         for number in numbers {
-            let arrival = Arrival { utime: number.into(), mono_ns: 0 };
+            let arrival = Arrival { utime: number.into(), ..Arrival::default() };
             sink.deliver(&Message { channel: "A", payload: &[number], arrival, sender: None });
         }
     }
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn what_is_urgent_comes_first_and_does_not_give_way() {
         let inbox = Inbox::queue(3);
-        let arrival = Arrival { utime: 0, mono_ns: 0 };
+        let arrival = Arrival::default();
         let message = Message { channel: "B", payload: &[99], arrival, sender: None };
         inbox.urgent_sink().deliver(&message);
         send(&inbox, 0..100);

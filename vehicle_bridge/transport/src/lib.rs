@@ -33,7 +33,7 @@ mod url;
 use std::net::SocketAddrV4;
 use std::sync::Arc;
 
-use lcm_types::channels;
+use lcm_types::{MonoTime, channels};
 
 pub use dispatch::Sink;
 pub use error::Error;
@@ -131,7 +131,7 @@ pub fn now() -> Arrival {
     use nix::time::ClockId;
     Arrival {
         utime: read_clock(ClockId::CLOCK_REALTIME) / 1000,
-        mono_ns: read_clock(ClockId::CLOCK_MONOTONIC),
+        mono: MonoTime::from_ns(read_clock(ClockId::CLOCK_MONOTONIC)),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::net::SocketAddrV4;
 
+use lcm_types::MonoTime;
+
 use super::datagram::Fragment;
 
 /// Messages in pieces at one time; the least recently touched gives way to a new one. [-]
@@ -40,7 +42,7 @@ struct Partial {
     source: SocketAddrV4,
     sequence: u32,
     count: u16,
-    started_ns: i64,
+    started: MonoTime,
     touched: u64,
     channel: String,
     /// Size of the message. \[B\]
@@ -73,14 +75,14 @@ impl Reassembly {
         self.partials.iter().any(|partial| partial.active)
     }
 
-    /// Adds a fragment that arrived at `now_ns`.
+    /// Adds a fragment that arrived at `now`.
     pub(super) fn insert(
         &mut self,
         source: SocketAddrV4,
         fragment: &Fragment<'_>,
-        now_ns: i64,
+        now: MonoTime,
     ) -> Outcome<'_> {
-        self.expire(now_ns);
+        self.expire(now);
         self.tick += 1;
         let size = fragment.size as usize;
         let count = usize::from(fragment.count);
@@ -91,7 +93,7 @@ impl Reassembly {
             .partials
             .iter()
             .position(|p| p.active && p.source == source && p.sequence == fragment.sequence);
-        let index = known.unwrap_or_else(|| self.begin(source, fragment, now_ns));
+        let index = known.unwrap_or_else(|| self.begin(source, fragment, now));
         let partial = &mut self.partials[index];
         partial.touched = self.tick;
         if partial.size != size || partial.count != fragment.count {
@@ -120,10 +122,10 @@ impl Reassembly {
         Outcome::Complete { channel: &partial.channel, payload: &partial.payload[..partial.size] }
     }
 
-    /// Gives up what is too old at `now_ns`.
-    pub(super) fn expire(&mut self, now_ns: i64) {
+    /// Gives up what is too old at `now`.
+    pub(super) fn expire(&mut self, now: MonoTime) {
         for partial in self.partials.iter_mut().filter(|p| p.active) {
-            if now_ns - partial.started_ns > EXPIRY_NS {
+            if now.ns_since(partial.started) > EXPIRY_NS {
                 partial.active = false;
                 self.given_up.expired += 1;
             }
@@ -131,7 +133,7 @@ impl Reassembly {
     }
 
     /// Makes room for a message and returns its place.
-    fn begin(&mut self, source: SocketAddrV4, fragment: &Fragment<'_>, now_ns: i64) -> usize {
+    fn begin(&mut self, source: SocketAddrV4, fragment: &Fragment<'_>, now: MonoTime) -> usize {
         let index = self.free_place(source);
         let partial = &mut self.partials[index];
         partial.active = true;
@@ -139,7 +141,7 @@ impl Reassembly {
         partial.sequence = fragment.sequence;
         partial.count = fragment.count;
         partial.missing = fragment.count;
-        partial.started_ns = now_ns;
+        partial.started = now;
         partial.channel.clear();
         partial.size = fragment.size as usize;
         // Not cleared: a flood of beginnings would keep the receiver busy with that alone, and only a
@@ -179,7 +181,7 @@ impl Partial {
             source,
             sequence: 0,
             count: 0,
-            started_ns: 0,
+            started: MonoTime::default(),
             touched: 0,
             channel: String::new(),
             size: 0,

@@ -63,6 +63,12 @@ pub fn record(
 pub struct Log(Arc<BackgroundWriter>);
 
 impl Log {
+    /// Whether the disk refuses messages now.
+    #[must_use]
+    pub fn is_troubled(&self) -> bool {
+        self.0.trouble().is_some()
+    }
+
     /// Text for the heartbeat; `None` while everything is written.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {

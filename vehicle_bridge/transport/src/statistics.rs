@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddrV4;
 
+use lcm_types::MonoTime;
+
 /// Senders kept apart; beyond that the one silent for longest is forgotten. [-]
 pub const MAX_SENDERS: usize = 64;
 
@@ -50,23 +52,29 @@ pub struct SenderStatistics {
     pub late: u64,
     /// Sequence number expected next.
     next: u32,
-    /// When the last message came, `CLOCK_MONOTONIC`. \[ns\]
-    pub last_mono_ns: i64,
+    /// When the last message came.
+    pub last: MonoTime,
 }
 
 impl Statistics {
     /// Counts a whole message.
-    pub(super) fn count(&mut self, sender: SocketAddrV4, sequence: u32, size: usize, now_ns: i64) {
+    pub(super) fn count(
+        &mut self,
+        sender: SocketAddrV4,
+        sequence: u32,
+        size: usize,
+        now: MonoTime,
+    ) {
         self.received += 1;
         self.bytes += size as u64;
         if self.senders.len() >= MAX_SENDERS && !self.senders.contains_key(&sender) {
-            let silent = self.senders.iter().min_by_key(|(_, s)| s.last_mono_ns).map(|(k, _)| *k);
+            let silent = self.senders.iter().min_by_key(|(_, s)| s.last).map(|(k, _)| *k);
             silent.and_then(|key| self.senders.remove(&key));
         }
         let first = SenderStatistics { next: sequence, ..SenderStatistics::default() };
         let known = self.senders.entry(sender).or_insert(first);
         known.received += 1;
-        known.last_mono_ns = now_ns;
+        known.last = now;
         // The numbers wrap: a difference in the upper half is one backwards.
         let ahead = sequence.wrapping_sub(known.next);
         if ahead < u32::MAX / 2 {
@@ -96,9 +104,9 @@ mod tests {
     fn gaps_are_counted_and_late_messages_taken_off() {
         let mut statistics = Statistics::default();
         for sequence in [u32::MAX - 1, u32::MAX, 0, 3, 1, 4] {
-            statistics.count(sender(1), sequence, 10, 0);
+            statistics.count(sender(1), sequence, 10, MonoTime::default());
         }
-        statistics.count(sender(2), 1_000_000, 10, 0);
+        statistics.count(sender(2), 1_000_000, 10, MonoTime::default());
         let one = statistics.senders[&sender(1)];
         assert_eq!((one.received, one.lost, one.late), (6, 1, 1));
         assert_eq!((statistics.lost, statistics.received, statistics.bytes), (1, 7, 70));
@@ -108,7 +116,7 @@ mod tests {
     fn the_number_of_senders_is_bounded() {
         let mut statistics = Statistics::default();
         for port in 1..=1000 {
-            statistics.count(sender(port), 0, 1, port.into());
+            statistics.count(sender(port), 0, 1, MonoTime::from_ns(port.into()));
         }
         assert_eq!(statistics.senders.len(), MAX_SENDERS);
         assert!(statistics.senders.contains_key(&sender(1000)));

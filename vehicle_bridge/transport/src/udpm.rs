@@ -293,7 +293,7 @@ impl Receiver {
                     // How long it waited in the kernel, unless the clock was set meanwhile.
                     let waited_us = (arrival.utime - utime).clamp(0, 1_000_000);
                     arrival.utime -= waited_us;
-                    arrival.mono_ns -= waited_us * 1000;
+                    arrival.mono = arrival.mono.minus_ns(waited_us * 1000);
                 }
                 ControlMessageOwned::RxqOvfl(drops) => {
                     lock(&self.statistics).kernel_drops = drops.into();
@@ -312,7 +312,7 @@ impl Receiver {
                 let message = Message { channel, payload, arrival, sender: Some(source) };
                 // The loop that waits for it comes first, the books after.
                 hand_over(&mut self.dispatcher, &self.statistics, &message);
-                lock(&self.statistics).count(source, sequence, payload.len(), arrival.mono_ns);
+                lock(&self.statistics).count(source, sequence, payload.len(), arrival.mono);
             }
             Some(Datagram::Fragment(fragment)) => self.fragment(&fragment, source, arrival),
             None => lock(&self.statistics).malformed += 1,
@@ -325,9 +325,9 @@ impl Receiver {
         let given_up = self.reassembly.given_up();
         statistics.expired = given_up.expired;
         statistics.evicted = given_up.evicted;
-        match self.reassembly.insert(source, fragment, arrival.mono_ns) {
+        match self.reassembly.insert(source, fragment, arrival.mono) {
             Outcome::Complete { channel, payload } => {
-                statistics.count(source, fragment.sequence, payload.len(), arrival.mono_ns);
+                statistics.count(source, fragment.sequence, payload.len(), arrival.mono);
                 drop(statistics);
                 let message = Message { channel, payload, arrival, sender: Some(source) };
                 hand_over(&mut self.dispatcher, &self.statistics, &message);
@@ -339,7 +339,7 @@ impl Receiver {
     }
 
     fn idle(&mut self) {
-        self.reassembly.expire(now().mono_ns);
+        self.reassembly.expire(now().mono);
         let given_up = self.reassembly.given_up();
         let mut statistics = lock(&self.statistics);
         statistics.expired = given_up.expired;

@@ -89,7 +89,8 @@ fn drive(log: &Path, url: &str) -> Result<()> {
     }
 }
 
-fn start(arguments: &[&str]) -> Result<Child> {
+/// Starts this program with other arguments, silent.
+pub(super) fn start(arguments: &[&str]) -> Result<Child> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.spawn().with_context(|| format!("cannot start lmpc {}", arguments[0]))
@@ -128,7 +129,7 @@ fn commands(log: &[u8], end: usize) -> Result<u64> {
 }
 
 /// Commands that come out identical when it is replayed, and the exit code.
-fn replay(log: &Path) -> Result<(u64, i32)> {
+pub(super) fn replay(log: &Path) -> Result<(u64, i32)> {
     let output = Command::new(std::env::current_exe()?).arg("replay").arg(log).output()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let identical = text.split_whitespace().next().and_then(|word| word.parse().ok());

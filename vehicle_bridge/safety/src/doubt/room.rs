@@ -2,6 +2,7 @@
 
 use vehicle_model::{Input, State, Track};
 
+use super::super::hold::Hold;
 use super::super::rules::Rules;
 use super::super::stop;
 use super::{DoubtLimits, Finding, Suspicion};
@@ -50,7 +51,7 @@ fn beyond_at_stop(rules: &Rules, x: &State) -> f64 {
     let (mut worst, mut input) = (edge(&rules.track, x.s, x.e_y), Input::default());
     let mut time = 0.0;
     while x.v_x > 0.5 && time < LONGEST {
-        let asked = stop::brake(rules, &x);
+        let asked = stop::brake(rules, &x, Hold::default());
         input = rules.limiter.limit(asked, input, x.v_x, STEP).sent;
         x = stop::roll(rules, &rules.sliding[0], &x, input, (STEP, 0.01), rules.track.kappa(x.s));
         worst = worst.max(edge(&rules.track, x.s, x.e_y));

@@ -24,12 +24,12 @@ impl Core {
     }
 
     fn order(&mut self, kind: OrderKind, at_ns: i64) -> Answer {
-        let order = Order { kind, token: 9, deadman: false, fresh: 9 };
+        let order = Order { kind, token: token(9), deadman: false, fresh: token(9) };
         self.on(Event::Order(order), at_ns).answer
     }
 
     fn arm(&mut self, at_ns: i64) -> Answer {
-        self.order(OrderKind::Arm { moving: false, controller: 0 }, at_ns)
+        self.order(OrderKind::Arm { moving: false, controller: BootId::NONE }, at_ns)
     }
 
     /// Good states from 0 on, each 50 ms, the last one at this time.
@@ -51,7 +51,7 @@ impl Core {
         let mut core = Self::new();
         core.states(NOW);
         core.controller(NOW);
-        core.on(Event::Published(3), NOW);
+        core.on(Event::Published(number(3)), NOW);
         assert_eq!(core.arm(NOW), Answer::Accepted);
         assert_eq!(core.order(OrderKind::Start, NOW), Answer::Accepted);
         core
@@ -63,11 +63,11 @@ const NOW: i64 = 2_000 * MS;
 fn command() -> DecodedCommand {
     DecodedCommand {
         boot_id: CONTROLLER,
-        seq: 1,
-        arrival_ns: NOW,
-        since_ns: NOW,
-        answers: Some(3),
-        token: 9,
+        seq: number(1),
+        arrival: time(NOW),
+        since: time(NOW),
+        answers: Some(number(3)),
+        token: token(9),
         drives: true,
         valid_for_ns: 80 * MS,
         plan: [Input::default(); PLAN],
@@ -86,22 +86,26 @@ fn commands() {
     let (ok, refused) = (Answer::Accepted, |reject| Answer::Rejected(reject));
     assert_eq!(answer(|_| {}, NOW), ok);
     // Age: by its validity, and by the oldest that is believed.
-    assert_eq!(answer(|c| c.since_ns = NOW - 80 * MS, NOW), ok);
-    assert_eq!(answer(|c| c.since_ns = NOW - 80 * MS - 1, NOW), refused(Reject::Stale));
-    let long = |since_ns| answer(|c| (c.valid_for_ns, c.since_ns) = (i64::MAX, since_ns), NOW);
+    assert_eq!(answer(|c| c.since = time(NOW - 80 * MS), NOW), ok);
+    assert_eq!(answer(|c| c.since = time(NOW - 80 * MS - 1), NOW), refused(Reject::Stale));
+    let long = |since_ns| answer(|c| (c.valid_for_ns, c.since) = (i64::MAX, time(since_ns)), NOW);
     let most = rules().max_age_ns;
     assert_eq!([long(NOW - most), long(NOW - most - 1)], [ok, refused(Reject::Stale)]);
     assert_eq!(answer(|c| c.valid_for_ns = 1, NOW), ok);
     assert_eq!(answer(|c| c.valid_for_ns = 0, NOW), refused(Reject::Range));
     // The state it answers, in a command that came later.
-    let later = |by: i64| answer(|c| (c.arrival_ns, c.since_ns) = (NOW + by, NOW + by), NOW + by);
+    let later =
+        |by: i64| answer(|c| (c.arrival, c.since) = (time(NOW + by), time(NOW + by)), NOW + by);
     assert_eq!([later(80 * MS), later(80 * MS + 1)], [ok, refused(Reject::Unanswered)]);
-    assert_eq!(answer(|c| c.answers = Some(4), NOW), refused(Reject::Unanswered));
-    assert_eq!(answer(|c| c.answers = Some(2), NOW), refused(Reject::Unanswered));
+    assert_eq!(answer(|c| c.answers = Some(number(4)), NOW), refused(Reject::Unanswered));
+    assert_eq!(answer(|c| c.answers = Some(number(2)), NOW), refused(Reject::Unanswered));
     // Start and token.
     for by in [-1, 1] {
-        assert_eq!(answer(|c| c.boot_id += by, NOW), refused(Reject::Boot));
-        assert_eq!(answer(|c| c.token += by, NOW), refused(Reject::Token));
+        assert_eq!(
+            answer(|c| c.boot_id = BootId::new(CONTROLLER.get() + by), NOW),
+            refused(Reject::Boot)
+        );
+        assert_eq!(answer(|c| c.token = token(9 + by), NOW), refused(Reject::Token));
     }
 }
 
@@ -130,7 +134,7 @@ fn the_box_of_inputs_to_the_last_bit() {
 fn numbers_of_commands_and_their_rate() {
     let mut core = Core::running();
     let mut say = |seq: i64| {
-        let offer = DecodedCommand { seq, ..command() };
+        let offer = DecodedCommand { seq: number(seq), ..command() };
         core.on(Event::Command(&offer), NOW).answer
     };
     let sequence = Answer::Rejected(Reject::Sequence);
@@ -209,10 +213,9 @@ fn what_is_sent_changes_by_a_ticks_share_and_no_more() {
         for (n, input) in [(1, Input::default()), (2, Input::default()), (3, Input { a, delta })] {
             let at_ns = NOW + n * 10 * MS;
             core.on(Event::State(State::default(), 2), at_ns);
-            core.on(Event::Published(3 + n), at_ns);
-            let (answers, arrival_ns) = (Some(3 + n), at_ns);
-            let offer =
-                DecodedCommand { seq: n, answers, arrival_ns, since_ns: at_ns, input, ..command() };
+            core.on(Event::Published(number(3 + n)), at_ns);
+            let (seq, answers, at) = (number(n), Some(number(3 + n)), time(at_ns));
+            let offer = DecodedCommand { seq, answers, arrival: at, since: at, input, ..command() };
             assert_eq!(core.on(Event::Command(&offer), at_ns).answer, Answer::Accepted);
             let output = core.on(Event::Tick, at_ns);
             if n == 2 {

@@ -6,7 +6,7 @@ use super::*;
 
 const NOW: i64 = 10_000 * MS;
 const HERE: &str = "here";
-const BRIDGE: i64 = 5;
+const BRIDGE: BootId = BootId::new(5);
 
 fn rules_here() -> Rules {
     Rules { boot_id: BRIDGE, ..rules() }
@@ -15,13 +15,13 @@ fn rules_here() -> Rules {
 fn command() -> ActuationCommand {
     ActuationCommand {
         h: Header {
-            boot_id: CONTROLLER,
+            boot_id: CONTROLLER.get(),
             seq: 1,
             mono_ns: NOW - 4 * MS,
             sender: "lmpc@there".to_owned(),
             ..Header::default()
         },
-        state_boot_id: BRIDGE,
+        state_boot_id: BRIDGE.get(),
         state_seq: 7,
         state_mono_ns: NOW - 9 * MS,
         valid_for_us: 250_000,
@@ -47,22 +47,22 @@ fn bytes(command: &ActuationCommand) -> Vec<u8> {
 
 /// A core that runs by the grant 42 since `NOW`, after command number 0.
 fn running(rules: &Rules) -> Safety {
-    let order = |kind| Order { kind, token: 42, deadman: false, fresh: 42 };
+    let order = |kind| Order { kind, token: token(42), deadman: false, fresh: token(42) };
     let first = DecodedCommand {
         boot_id: CONTROLLER,
-        token: 42,
+        token: token(42),
         valid_for_ns: MS,
         ..DecodedCommand::default()
     };
-    let first = DecodedCommand { arrival_ns: NOW, since_ns: NOW, ..first };
+    let first = DecodedCommand { arrival: time(NOW), since: time(NOW), ..first };
     let events = [
         (Event::State(State::default(), 2), NOW - 100 * MS),
         (Event::State(State::default(), 2), NOW),
         (Event::Heartbeat(CONTROLLER), NOW),
         (Event::Setup(CONTROLLER, rules.setup), NOW),
-        (Event::Published(6), NOW - 9 * MS),
-        (Event::Published(7), NOW - 8 * MS),
-        (Event::Order(order(OrderKind::Arm { moving: false, controller: 0 })), NOW),
+        (Event::Published(number(6)), NOW - 9 * MS),
+        (Event::Published(number(7)), NOW - 8 * MS),
+        (Event::Order(order(OrderKind::Arm { moving: false, controller: BootId::NONE })), NOW),
         (Event::Order(order(OrderKind::Start)), NOW),
         (Event::Command(&first), NOW),
     ];
@@ -79,7 +79,7 @@ fn running(rules: &Rules) -> Safety {
 /// Everything a command goes through.
 fn receive(bytes: &[u8]) -> Result<(), Reject> {
     let rules = rules_here();
-    let offer = decode(bytes, NOW, &rules, HERE)?;
+    let offer = decode(bytes, time(NOW), &rules, HERE)?;
     let (safety, output) = step(&rules, &running(&rules), &Event::Command(&offer), NOW);
     match output.answer {
         Answer::Rejected(reject) => {
@@ -95,17 +95,17 @@ fn receive(bytes: &[u8]) -> Result<(), Reject> {
 
 #[test]
 fn a_whole_command_becomes_the_offer_it_says() {
-    let offer = decode(&bytes(&command()), NOW, &rules_here(), HERE).unwrap();
+    let offer = decode(&bytes(&command()), time(NOW), &rules_here(), HERE).unwrap();
     let mut plan = [Input::default(); PLAN];
     plan[0] = Input { a: 0.75, delta: 0.125 };
     plan[1] = Input { a: -1.0, delta: -0.25 };
     let expected = DecodedCommand {
         boot_id: CONTROLLER,
-        seq: 1,
-        arrival_ns: NOW,
-        since_ns: NOW - 9 * MS,
-        answers: Some(7),
-        token: 42,
+        seq: number(1),
+        arrival: time(NOW),
+        since: time(NOW - 9 * MS),
+        answers: Some(number(7)),
+        token: token(42),
         drives: true,
         estop: false,
         input: Input { a: 0.5, delta: 0.25 },
@@ -122,7 +122,7 @@ fn a_whole_command_becomes_the_offer_it_says() {
 fn it_drives_only_if_it_says_both() {
     let drives = |enable, mode| {
         let bytes = bytes(&ActuationCommand { enable, mode, ..command() });
-        let offer = decode(&bytes, NOW, &rules_here(), HERE).unwrap();
+        let offer = decode(&bytes, time(NOW), &rules_here(), HERE).unwrap();
         (offer.drives, offer.estop)
     };
     assert_eq!(drives(true, ActuationCommand::MODE_DRIVE), (true, false));
@@ -137,7 +137,7 @@ fn a_long_plan_is_cut_at_what_is_kept() {
     let plan = vec![0.5; 40];
     let (plan_accel, plan_steer) = (plan.clone(), plan);
     let bytes = bytes(&ActuationCommand { plan_accel, plan_steer, ..command() });
-    let offer = decode(&bytes, NOW, &rules_here(), HERE).unwrap();
+    let offer = decode(&bytes, time(NOW), &rules_here(), HERE).unwrap();
     assert_eq!((offer.n_plan, offer.plan().len()), (PLAN, PLAN));
 }
 
@@ -185,11 +185,11 @@ fn a_flipped_bit_or_a_cut_end_anywhere() {
 
 #[test]
 fn ages_by_every_stamp_of_this_host_and_none_of_another() {
-    let aged = |sender: &str, boot: i64, sent_ms: i64, state_ms: i64| {
+    let aged = |sender: &str, boot: BootId, sent_ms: i64, state_ms: i64| {
         let mut c = command();
         c.h.sender = sender.to_owned();
         (c.h.mono_ns, c.state_mono_ns) = (NOW - sent_ms * MS, NOW - state_ms * MS);
-        c.state_boot_id = boot;
+        c.state_boot_id = boot.get();
         receive(&bytes(&c))
     };
     let stale = Err(Reject::Stale);
@@ -197,12 +197,16 @@ fn ages_by_every_stamp_of_this_host_and_none_of_another() {
     assert_eq!(aged("lmpc@here", BRIDGE, 101, 0), stale, "its own stamp");
     assert_eq!(aged("lmpc@there", BRIDGE, 101, 0), Ok(()), "another host's clock");
     assert_eq!(aged("lmpc@there", BRIDGE, 0, 101), stale, "the state it answers");
-    assert_eq!(aged("lmpc@there", 6, 0, 101), Err(Reject::Unanswered), "another bridge's");
+    assert_eq!(
+        aged("lmpc@there", BootId::new(6), 0, 101),
+        Err(Reject::Unanswered),
+        "another bridge's"
+    );
     // A stamp from the future makes nothing younger.
-    let offer = |c: &ActuationCommand| decode(&bytes(c), NOW, &rules_here(), HERE).unwrap();
+    let offer = |c: &ActuationCommand| decode(&bytes(c), time(NOW), &rules_here(), HERE).unwrap();
     let mut c = command();
     (c.h.sender, c.h.mono_ns, c.state_mono_ns) = ("lmpc@here".to_owned(), NOW + MS, NOW + MS);
-    assert_eq!(offer(&c).since_ns, NOW);
+    assert_eq!(offer(&c).since, time(NOW));
 }
 
 #[test]
@@ -223,7 +227,7 @@ fn each_check_names_what_it_found() {
         (|c| c.valid_for_us = 0, Reject::Range),
         (|c| c.valid_for_us = -1, Reject::Range),
         (|c| c.valid_for_us = 8_000, Reject::Stale),
-        (|c| c.h.boot_id = OTHER, Reject::Boot),
+        (|c| c.h.boot_id = OTHER.get(), Reject::Boot),
         (|c| c.h.seq = 0, Reject::Sequence),
         (|c| c.h.seq = 101, Reject::Sequence),
         (|c| c.arm_token = 41, Reject::Token),

@@ -18,6 +18,7 @@ enum Fault {
     Yaw(f64),
     Drift(f64),
     ThrottleStuck,
+    ThrottleBias(f64),
     SteeringStuck,
     SteeringBias(f64),
     NoStates,
@@ -33,6 +34,8 @@ struct Drive {
     beyond: f64,
     /// Worst level before the fault. \[-\]
     before: f64,
+    /// It moved on against the brake that holds it.
+    creeps: bool,
 }
 
 fn follow(rules: &Rules, x: &State, speed: f64) -> Input {
@@ -70,22 +73,25 @@ fn drive_as(
         safety = next;
         (safety, output)
     };
-    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let order =
+        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     tell(&Event::State(State::default(), 2), now);
-    tell(&Event::Heartbeat(7), now);
-    tell(&Event::Setup(7, rules.setup), now);
-    tell(&order(OrderKind::Arm { moving: false, controller: 0 }), now);
+    tell(&Event::Heartbeat(CONTROLLER), now);
+    tell(&Event::Setup(CONTROLLER, rules.setup), now);
+    tell(&order(OrderKind::Arm { moving: false, controller: BootId::NONE }), now);
     tell(&order(OrderKind::Start), now);
     let mut held = Input::default();
     let mut seen = State::default();
     let (mut begun, mut stuck) = (None, Input::default());
-    let mut drive = Drive { detected: None, why: StopReason::None, beyond: f64::MIN, before: 0.0 };
+    let (why, beyond) = (StopReason::None, f64::MIN);
+    let mut drive = Drive { detected: None, why, beyond, before: 0.0, creeps: false };
     let mut running = true;
     for n in 0..4000 {
         let mut u = held;
         if begun.is_some() {
             match fault {
                 Fault::ThrottleStuck => u.a = stuck.a.max(0.5),
+                Fault::ThrottleBias(by) => u.a += by,
                 Fault::SteeringStuck => u.delta = stuck.delta,
                 Fault::SteeringBias(by) => u.delta += by,
                 _ => {}
@@ -119,15 +125,15 @@ fn drive_as(
         let silent = begun.is_some() && fault == Fault::NoStates;
         if !silent {
             tell(&Event::State(x, 2), now);
-            tell(&Event::Published(n), now);
+            tell(&Event::Published(number(n)), now);
             let input = follow(&rules, &x, speed);
             let offer = DecodedCommand {
-                boot_id: 7,
-                seq: n,
-                arrival_ns: now,
-                since_ns: now,
-                answers: Some(n),
-                token: 9,
+                boot_id: CONTROLLER,
+                seq: number(n),
+                arrival: time(now),
+                since: time(now),
+                answers: Some(number(n)),
+                token: token(9),
                 drives: true,
                 input,
                 valid_for_ns: 100 * MS,
@@ -137,6 +143,7 @@ fn drive_as(
         }
         let (safety, output) = tell(&Event::Tick, now);
         held = output.applied.sent;
+        drive.creeps = safety.creeps();
         if begun.is_none() {
             drive.before = drive.before.max(safety.finding().level);
         }
@@ -180,7 +187,7 @@ fn a_drive_without_a_fault_is_not_stopped() {
     for (seed, speed) in [1.0, 2.0, 3.0, 3.5].into_iter().enumerate() {
         let drive = drive(Fault::Nothing, speed, 1e9, seed as u64);
         assert_eq!(drive.why, StopReason::None, "{speed} m/s: {drive:?}");
-        assert!(drive.before < 0.75, "{speed} m/s: {drive:?}");
+        assert!(drive.before < 0.75 && !drive.creeps, "{speed} m/s: {drive:?}");
     }
 }
 
@@ -225,6 +232,15 @@ fn faults_of_the_actuators_are_found() {
     assert!(stopped_by(Fault::SteeringStuck, &[Steering, OffTrack], 3.0) < 1.75);
     assert!(stopped_by(Fault::SteeringBias(0.15), &[Steering, OffTrack], 3.0) < 0.75);
     assert!(stopped_by(Fault::ThrottleStuck, &[Drive, OffTrack], 12.0) < 0.1);
+}
+
+#[test]
+fn a_car_whose_throttle_is_doubted_is_held_with_all_the_brake_from_the_first() {
+    for (seed, s) in [(1, 4.0), (2, 9.0), (3, 14.0)] {
+        let found = drive(Fault::ThrottleBias(1.2), 2.0, s, seed);
+        assert_eq!(found.why, StopReason::Doubt(Suspicion::Drive), "{found:?}");
+        assert!(!found.creeps && found.beyond < 0.0, "{found:?}");
+    }
 }
 
 #[test]

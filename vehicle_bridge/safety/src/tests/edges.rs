@@ -1,6 +1,7 @@
 //! Single cases at the edges, which chance does not meet or cannot tell apart.
 
 use super::*;
+use crate::hold::Hold;
 use crate::stop::{brake, reckon};
 
 fn offer() -> DecodedCommand {
@@ -8,7 +9,7 @@ fn offer() -> DecodedCommand {
     plan[..3].copy_from_slice(&[1.0, 1.5, 2.0].map(|a| Input { a, delta: 0.0 }));
     DecodedCommand {
         drives: true,
-        arrival_ns: 1000 * MS,
+        arrival: time(1000 * MS),
         valid_for_ns: 200 * MS,
         input: Input { a: 0.5, delta: 0.0 },
         plan,
@@ -20,7 +21,7 @@ fn offer() -> DecodedCommand {
 
 /// The acceleration asked, and whether it is the plan's.
 fn at(offer: &DecodedCommand, age_ms: i64) -> Option<(f64, bool)> {
-    offer.input_at((1000 + age_ms) * MS, 50 * MS).map(|(u, planned)| (u.a, planned))
+    offer.input_at(time((1000 + age_ms) * MS), 50 * MS).map(|(u, planned)| (u.a, planned))
 }
 
 #[test]
@@ -65,7 +66,9 @@ fn the_box_gives_way_by_a_tolerance_and_no_more() {
 
 #[test]
 fn numbers_follow_in_a_window() {
-    let follows = |seq: i64, last: Option<i64>| DecodedCommand { seq, ..offer() }.follows(last);
+    let follows = |seq: i64, last: Option<i64>| {
+        DecodedCommand { seq: number(seq), ..offer() }.follows(last.map(number))
+    };
     assert!(follows(i64::MIN, None));
     assert!(follows(6, Some(5)) && follows(105, Some(5)));
     assert!(!follows(5, Some(5)) && !follows(4, Some(5)) && !follows(106, Some(5)));
@@ -83,21 +86,22 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
         safety = next;
         output
     };
-    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let order =
+        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     let moving = Event::State(State { v_x: 2.0, ..State::default() }, 2);
     tell(moving, 900);
     tell(moving, 1000);
     tell(Event::Heartbeat(CONTROLLER), 1000);
     tell(Event::Setup(CONTROLLER, rules.setup), 1000);
-    tell(Event::Published(3), 1000);
+    tell(Event::Published(number(3)), 1000);
     tell(order(OrderKind::SpeedCap(1.5)), 1000);
-    tell(order(OrderKind::Arm { moving: true, controller: 0 }), 1000);
+    tell(order(OrderKind::Arm { moving: true, controller: BootId::NONE }), 1000);
     tell(order(OrderKind::Start), 1000);
     let offer = DecodedCommand {
         boot_id: CONTROLLER,
-        token: 9,
-        answers: Some(3),
-        since_ns: 1000 * MS,
+        token: token(9),
+        answers: Some(number(3)),
+        since: time(1000 * MS),
         input: Input { a: 1.0, delta: 0.0 },
         ..offer()
     };
@@ -157,13 +161,15 @@ fn below_half_a_metre_a_second_the_brake_stays_pressed() {
     iac.a_min = -9.0;
     let track = Arc::new(Track::builtin("l").unwrap());
     let (small, large) = (rules(), Rules::new(&iac, &track, 50 * MS));
-    let asked = |rules: &Rules, v_x: f64| brake(rules, &State { v_x, ..State::default() }).a;
+    let asked = |rules: &Rules, v_x: f64| {
+        brake(rules, &State { v_x, ..State::default() }, Hold::default()).a
+    };
     assert_eq!([0.0, 0.1].map(|v_x| asked(&small, v_x)), [-0.4, -0.4], "a fifth of 2 m/s^2");
     // Above it, braking fades with the speed.
     assert_eq!([0.499, 0.5, 1.0].map(|v_x| asked(&large, v_x)), [-1.8, -1.0, -2.0]);
     let rules = rules();
     // Left of the line it steers to the right.
-    let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() });
+    let u = brake(&rules, &State { v_x: 2.0, e_y: 0.2, ..State::default() }, Hold::default());
     assert!(u.a < 0.0 && u.delta < 0.0, "{u:?}");
 }
 
@@ -173,8 +179,8 @@ fn a_car_stands_below_the_limit_and_not_at_it() {
     let arm = |speed: f64| {
         let moving = State { v_x: 0.6 * speed, v_y: 0.8 * speed, ..State::default() };
         let (safety, _) = step(&rules, &Safety::default(), &Event::State(moving, 2), MS);
-        let kind = OrderKind::Arm { moving: false, controller: 0 };
-        let order = Event::Order(Order { kind, token: 0, deadman: false, fresh: 1 });
+        let kind = OrderKind::Arm { moving: false, controller: BootId::NONE };
+        let order = Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(1) });
         step(&rules, &safety, &order, MS).1.answer
     };
     let at = State { v_x: 0.6 * rules.still, v_y: 0.8 * rules.still, ..State::default() };
@@ -193,8 +199,9 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
         safety = next;
         (safety, output.answer)
     };
-    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
-    let arm = OrderKind::Arm { moving: false, controller: 0 };
+    let order =
+        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+    let arm = OrderKind::Arm { moving: false, controller: BootId::NONE };
     let still = Event::State(State::default(), 2);
     tell(still, 900);
     tell(still, 1000);
@@ -204,8 +211,8 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     let two = Denied::Controllers(CONTROLLER, OTHER);
     assert_eq!(tell(order(arm), 1000).1, Answer::Denied(two), "of two, none by itself");
     let chosen = |controller| order(OrderKind::Arm { moving: false, controller });
-    let other = Denied::OtherController { wanted: 5, heard: CONTROLLER };
-    assert_eq!(tell(chosen(5), 1000).1, Answer::Denied(other));
+    let other = Denied::OtherController { wanted: BootId::new(5), heard: CONTROLLER };
+    assert_eq!(tell(chosen(BootId::new(5)), 1000).1, Answer::Denied(other));
     assert_eq!(tell(chosen(OTHER), 1000).1, Answer::Denied(Denied::NoSetup));
     assert_eq!(tell(chosen(CONTROLLER), 1000).1, Answer::Accepted);
     let refused = Answer::Rejected(Reject::Boot);
@@ -244,15 +251,16 @@ fn a_state_is_called_by_its_number() {
 /// A core that runs by the token 9, deadline of commands far away.
 fn running(rules: &Rules) -> Safety {
     let mut safety = Safety::default();
-    let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
-    let start = Order { kind: OrderKind::Start, token: 9, deadman: false, fresh: 9 };
+    let order =
+        |kind| Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
+    let start = Order { kind: OrderKind::Start, token: token(9), deadman: false, fresh: token(9) };
     let still = Event::State(State::default(), 2);
     for (event, at_ms) in [
         (still, 900),
         (still, 1000),
         (Event::Heartbeat(CONTROLLER), 1000),
         (Event::Setup(CONTROLLER, rules.setup), 1000),
-        (order(OrderKind::Arm { moving: false, controller: 0 }), 1000),
+        (order(OrderKind::Arm { moving: false, controller: BootId::NONE }), 1000),
         (Event::Order(start), 1000),
     ] {
         safety = step(rules, &safety, &event, at_ms * MS).0;
@@ -265,8 +273,9 @@ fn running(rules: &Rules) -> Safety {
 fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
     let rules = rules();
     let mut safety = running(&rules);
-    let start =
-        |deadman| Event::Order(Order { kind: OrderKind::Start, token: 9, deadman, fresh: 9 });
+    let start = |deadman| {
+        Event::Order(Order { kind: OrderKind::Start, token: token(9), deadman, fresh: token(9) })
+    };
     let mut tell = |event: Event<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
@@ -289,12 +298,18 @@ fn a_bridge_that_ends_stops_the_car_first() {
         (ended.bridge_state(), ended.stop_reason()),
         (BridgeState::SafeStop, StopReason::End)
     );
-    assert_eq!((ended.token(), ended.counts().stops), (0, 1));
-    let order = |kind| Event::Order(Order { kind, token: 0, deadman: false, fresh: 9 });
+    assert_eq!((ended.token().get(), ended.counts().stops), (0, 1));
+    let order =
+        |kind| Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
     let idle = step(&rules, &ended, &Event::Tick, 1011 * MS).0;
     assert_eq!(idle.bridge_state(), BridgeState::Idle, "it stands");
-    let armed =
-        step(&rules, &idle, &order(OrderKind::Arm { moving: false, controller: 0 }), 1012 * MS).0;
+    let armed = step(
+        &rules,
+        &idle,
+        &order(OrderKind::Arm { moving: false, controller: BootId::NONE }),
+        1012 * MS,
+    )
+    .0;
     assert_eq!(armed.bridge_state(), BridgeState::Armed);
     assert_eq!(step(&rules, &armed, &Event::End, 1013 * MS).0.bridge_state(), BridgeState::Idle);
     let stopped = step(&rules, &armed, &order(OrderKind::Estop), 1013 * MS).0;
@@ -310,8 +325,8 @@ fn a_controller_is_armed_only_with_the_bridges_own_setup() {
     for (event, at_ms) in [(still, 900), (still, 1000), (Event::Heartbeat(CONTROLLER), 1000)] {
         idle = step(&rules, &idle, &event, at_ms * MS).0;
     }
-    let arm = OrderKind::Arm { moving: false, controller: 0 };
-    let arm = Event::Order(Order { kind: arm, token: 0, deadman: false, fresh: 9 });
+    let arm = OrderKind::Arm { moving: false, controller: BootId::NONE };
+    let arm = Event::Order(Order { kind: arm, token: token(0), deadman: false, fresh: token(9) });
     let armed = |setup: Setup| {
         let told = step(&rules, &idle, &Event::Setup(CONTROLLER, setup), 1000 * MS).0;
         match step(&rules, &told, &arm, 1000 * MS).1.answer {

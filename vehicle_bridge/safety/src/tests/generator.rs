@@ -57,13 +57,18 @@ pub(super) enum Said {
     Other(Event<'static>),
 }
 
+/// A token that is not this one.
+fn other_than(right: ArmToken) -> ArmToken {
+    token(right.get() + 1)
+}
+
 pub(super) struct Generator {
     random: Pcg64,
     mood: Mood,
     left: u32,
     queue: VecDeque<Plan>,
     deadman: bool,
-    sender: i64,
+    sender: BootId,
     published: i64,
 }
 
@@ -111,7 +116,7 @@ impl Generator {
                 OrderKind::Disarm,
                 OrderKind::Unknown(99),
                 OrderKind::Reset,
-                OrderKind::Arm { moving: true, controller: 0 },
+                OrderKind::Arm { moving: true, controller: BootId::NONE },
             ]
             .get(n % 6)
             .copied(),
@@ -120,7 +125,7 @@ impl Generator {
             }
             _ if !self.once_in(often) => None,
             BridgeState::Boot | BridgeState::Idle => {
-                Some(OrderKind::Arm { moving: n % 9 == 0, controller: 0 })
+                Some(OrderKind::Arm { moving: n % 9 == 0, controller: BootId::NONE })
             }
             // What ends ARMED alone needs time.
             BridgeState::Armed if matches!(mood, Mood::NoStates | Mood::NoPulses) => None,
@@ -240,19 +245,20 @@ impl Generator {
             }
             Plan::Published => {
                 self.published += 1;
-                Event::Published(self.published)
+                Event::Published(number(self.published))
             }
             Plan::End => Event::End,
             Plan::Order(kind, deadman) => {
-                let token = if odd { model.token + 1 } else { model.token };
-                let controller = [0, 0, self.sender, OTHER, 5, 0, 0, 0];
+                let given = if odd { other_than(model.token) } else { model.token };
+                let (none, dead) = (BootId::NONE, BootId::new(5));
+                let controller = [none, none, self.sender, OTHER, dead, none, none, none];
                 let controller = controller[self.random.random_range(0..8)];
                 let kind = match kind {
                     OrderKind::Arm { moving, .. } => OrderKind::Arm { moving, controller },
                     other => other,
                 };
-                let fresh = self.random.random_range(1..i64::MAX - 1);
-                Event::Order(Order { kind, token, deadman, fresh })
+                let fresh = token(self.random.random_range(1..i64::MAX - 1));
+                Event::Order(Order { kind, token: given, deadman, fresh })
             }
             Plan::Fail => Event::CarFailed,
             Plan::Sent => Event::Sent,
@@ -283,10 +289,10 @@ impl Generator {
         let valid_ms = [250, 250, 250, 70, 50][self.random.random_range(0..5)];
         let mut offer = DecodedCommand {
             boot_id: self.sender,
-            seq,
-            arrival_ns,
-            since_ns: arrival_ns - self.random.random_range(0..20) * MS,
-            answers: Some(self.published.saturating_sub(self.random.random_range(0..2))),
+            seq: number(seq),
+            arrival: time(arrival_ns),
+            since: time(arrival_ns - self.random.random_range(0..20) * MS),
+            answers: Some(number(self.published.saturating_sub(self.random.random_range(0..2)))),
             token: model.token,
             drives: true,
             estop: false,
@@ -356,36 +362,36 @@ impl Generator {
             }
             (2, 0) => {
                 offer.valid_for_ns = 5 * MS;
-                offer.since_ns = now - 6 * MS;
+                offer.since = time(now - 6 * MS);
                 Reject::Stale
             }
             (2, 1) => {
-                offer.arrival_ns = now - 101 * MS;
+                offer.arrival = time(now - 101 * MS);
                 Reject::Stale
             }
             (2, _) => {
-                offer.since_ns = now - 101 * MS;
+                offer.since = time(now - 101 * MS);
                 Reject::Stale
             }
             (3, _) => {
-                offer.boot_id = 79;
+                offer.boot_id = BootId::new(79);
                 Reject::Boot
             }
             (4, 0..3) => {
-                offer.seq = model.last_seq()? - i64::from(way);
+                offer.seq = number(model.last_seq()? - i64::from(way));
                 Reject::Sequence
             }
             (4, _) => {
-                offer.seq = model.last_seq()? + 101;
+                offer.seq = number(model.last_seq()? + 101);
                 Reject::Sequence
             }
             (5, _) => {
-                offer.token = model.token + 1;
+                offer.token = other_than(model.token);
                 Reject::Token
             }
             _ => {
                 let wrong = [None, Some(self.published + 1), Some(-1)];
-                offer.answers = wrong[(way % 3) as usize];
+                offer.answers = wrong[(way % 3) as usize].map(number);
                 offer.drives.then_some(Reject::Unanswered)?
             }
         })

@@ -6,6 +6,7 @@ mod decode;
 mod doubt;
 mod edges;
 mod generator;
+mod hold;
 mod model;
 mod stop;
 
@@ -13,6 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use generator::{Generator, Said};
+use lcm_types::{ArmToken, BootId, MonoTime, SeqNumber};
 use model::Model;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
@@ -21,8 +23,8 @@ use vehicle_model::{CarParams, Input, Limit, State, Track};
 use super::*;
 
 const MS: i64 = 1_000_000;
-const CONTROLLER: i64 = 77;
-const OTHER: i64 = 78;
+const CONTROLLER: BootId = BootId::new(77);
+const OTHER: BootId = BootId::new(78);
 const EVENTS: u32 = 1_000_000;
 /// Events from one BOOT to the next: it is left only once.
 const EPISODE: u32 = 2_500;
@@ -42,6 +44,24 @@ const DENIALS: &str = "NoState NotFresh NotGood NoController Controllers OtherCo
                        Token Latched NothingToReset Cap Unknown";
 /// Each of them is reached at least this often.
 const OFTEN: u32 = 10;
+
+/// A time of the tests: nanoseconds, with which they reckon.
+fn time(ns: i64) -> MonoTime {
+    MonoTime::from_ns(ns)
+}
+
+fn number(seq: i64) -> SeqNumber {
+    SeqNumber::new(seq)
+}
+
+fn token(number: i64) -> ArmToken {
+    ArmToken::new(number)
+}
+
+/// [`super::step`] at a time of the tests. \[ns\]
+fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (Safety, Output) {
+    super::step(rules, safety, event, time(now_ns))
+}
 
 fn rules() -> Rules {
     let mut car = CarParams::builtin("barc").unwrap();
@@ -114,7 +134,7 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
         assert!(asked.a <= if standing { 0.2 * l.a_min } else { 0.0 }, "{output:?}");
         return;
     };
-    let age = now - command.arrival_ns;
+    let age = time(now).ns_since(command.arrival);
     assert!(age <= command.valid_for_ns.min(rules.period_ns + rules.timeout_ns), "{age}");
     if age <= rules.period_ns {
         assert_eq!((output.source, asked), (InputSource::Command, command.input));
@@ -136,13 +156,13 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
 
 /// At its deadline the grant is still there, a nanosecond later not, if nothing more comes.
 fn check_deadline(rules: &Rules, safety: &Safety, now: i64, context: &dyn Fn() -> String) {
-    let granted = safety.token() != 0;
+    let granted = !safety.token().is_none();
     let deadline = safety.deadline(rules);
     assert_eq!(deadline.is_some(), granted, "{}", context());
-    if let Some(until) = deadline.filter(|until| *until >= now) {
+    if let Some(until) = deadline.map(MonoTime::as_ns).filter(|until| *until >= now) {
         let token_at = |at: i64| step(rules, safety, &Event::Tick, at).0.token();
         assert_eq!(token_at(until), safety.token(), "{}", context());
-        assert_eq!(token_at(until + 1), 0, "{}", context());
+        assert_eq!(token_at(until + 1), ArmToken::NONE, "{}", context());
     }
 }
 
@@ -185,7 +205,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
         assert_eq!(safety.stop_reason(), model.stop_reason, "{}", context());
         assert_eq!(safety.token(), model.token, "{}", context());
         assert_eq!(
-            safety.token() != 0,
+            !safety.token().is_none(),
             matches!(model.bridge_state, BridgeState::Armed | BridgeState::Running)
         );
         assert_eq!(safety.command(), model.command.map(|c| (c.boot_id, c.seq)), "{}", context());
@@ -193,7 +213,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             let way = format!("{}>{}", was.name(), model.bridge_state.name());
             *seen.ways.entry(way).or_default() += 1;
         }
-        if token != 0 && model.token != token {
+        if !token.is_none() && model.token != token {
             let end = format!("{}:{:?}", was.name(), model.stop_reason);
             *seen.ends.entry(end).or_default() += 1;
         }

@@ -10,7 +10,7 @@ use super::*;
 pub(super) struct Model {
     pub(super) bridge_state: BridgeState,
     pub(super) stop_reason: StopReason,
-    pub(super) token: i64,
+    pub(super) token: ArmToken,
     pub(super) counts: Counts,
     /// The command in force.
     pub(super) command: Option<DecodedCommand>,
@@ -22,17 +22,17 @@ pub(super) struct Model {
     /// When the car had the last input. \[ns\]
     pub(super) sent: Option<i64>,
     /// Who has the grant.
-    holder: i64,
-    last_seq: Option<i64>,
+    holder: BootId,
+    last_seq: Option<SeqNumber>,
     started: i64,
     /// When the dead man's switch was last said to be held. \[ns\]
     held: Option<i64>,
     good_since: Option<i64>,
     /// Heartbeat and setup of each controller, and when anything of it came last.
-    heard: BTreeMap<i64, (Option<i64>, Option<Setup>, i64)>,
+    heard: BTreeMap<BootId, (Option<i64>, Option<Setup>, i64)>,
     /// States that went out, and when.
-    published: BTreeMap<i64, i64>,
-    said: BTreeMap<i64, (i64, u32)>,
+    published: BTreeMap<SeqNumber, i64>,
+    said: BTreeMap<BootId, (i64, u32)>,
 }
 
 impl Model {
@@ -116,7 +116,7 @@ impl Model {
         }
     }
 
-    fn entry(&mut self, sender: i64, now: i64) -> &mut (Option<i64>, Option<Setup>, i64) {
+    fn entry(&mut self, sender: BootId, now: i64) -> &mut (Option<i64>, Option<Setup>, i64) {
         let entry = self.heard.entry(sender).or_insert((None, None, now));
         entry.2 = now;
         entry
@@ -133,7 +133,7 @@ impl Model {
 
     fn end(&mut self, to: BridgeState, why: StopReason) {
         self.counts.stops += i64::from(self.bridge_state == BridgeState::Running);
-        (self.bridge_state, self.stop_reason, self.token) = (to, why, 0);
+        (self.bridge_state, self.stop_reason, self.token) = (to, why, ArmToken::NONE);
         (self.command, self.last_seq, self.held) = (None, None, None);
     }
 
@@ -149,9 +149,9 @@ impl Model {
         let pulse = beat.unwrap_or(i64::MIN / 2);
         let begun = self.bridge_state == BridgeState::Running;
         let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
-            now - c.arrival_ns > rules.period_ns + rules.timeout_ns
+            time(now).ns_since(c.arrival) > rules.period_ns + rules.timeout_ns
         });
-        let dead = self.command.is_some_and(|c| now - c.arrival_ns > c.valid_for_ns);
+        let dead = self.command.is_some_and(|c| time(now).ns_since(c.arrival) > c.valid_for_ns);
         let causes = [
             (self.tick.is_some_and(|at| now - at > patience), StopReason::Gap),
             (!is_state && !self.fresh(rules, now), StopReason::States),
@@ -206,7 +206,7 @@ impl Model {
             return Answer::Rejected(reject);
         }
         self.counts.ok += 1;
-        self.counts.lost += self.last_seq.map_or(0, |last| offer.seq - last - 1);
+        self.counts.lost += self.last_seq.map_or(0, |last| offer.seq.get() - last.get() - 1);
         self.last_seq = Some(offer.seq);
         match (self.bridge_state, offer.estop, offer.drives) {
             (_, true, _) => self.end(BridgeState::Estop, StopReason::Controller),
@@ -262,7 +262,7 @@ impl Model {
                 if good_ns < rules.ready_ns {
                     return Some(Denied::NotGood { good_s: good_ns as f64 * 1e-9 });
                 }
-                let live: Vec<i64> = self
+                let live: Vec<BootId> = self
                     .heard
                     .iter()
                     .filter(|(_, (beat, ..))| beat.is_some_and(|at| now - at <= rules.pulse_ns))
@@ -271,7 +271,7 @@ impl Model {
                 let holder = match live[..] {
                     [] => return Some(Denied::NoController),
                     _ if live.contains(&controller) => controller,
-                    [heard, ..] if controller != 0 => {
+                    [heard, ..] if !controller.is_none() => {
                         return Some(Denied::OtherController { wanted: controller, heard });
                     }
                     [one] => one,
@@ -285,7 +285,7 @@ impl Model {
                     (BridgeState::Armed, order.fresh, StopReason::None);
                 self.holder = holder;
             }
-            Start if self.token == 0 => return Some(Denied::NotArmed(name)),
+            Start if self.token.is_none() => return Some(Denied::NotArmed(name)),
             Start if order.token != self.token => {
                 return Some(Denied::Token { found: order.token });
             }
@@ -307,7 +307,7 @@ impl Model {
 
     /// Number of the last command believed. \[-\]
     pub(super) fn last_seq(&self) -> Option<i64> {
-        self.last_seq
+        self.last_seq.map(SeqNumber::get)
     }
 }
 

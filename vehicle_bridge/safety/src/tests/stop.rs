@@ -25,13 +25,14 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         *safety = next;
         output
     };
-    let moving = OrderKind::Arm { moving: true, controller: 0 };
-    let order = |kind| Event::Order(Order { kind, token: 9, deadman: false, fresh: 9 });
+    let moving = OrderKind::Arm { moving: true, controller: BootId::NONE };
+    let order =
+        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     for event in [
         Event::State(start, 2),
-        Event::Heartbeat(7),
-        Event::Setup(7, rules.setup),
-        Event::Published(1),
+        Event::Heartbeat(CONTROLLER),
+        Event::Setup(CONTROLLER, rules.setup),
+        Event::Published(number(1)),
         order(moving),
         order(OrderKind::Start),
     ] {
@@ -40,12 +41,12 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
     }
     let input = Input { a: 0.0, delta: (wheelbase * kappa).atan() };
     let offer = DecodedCommand {
-        boot_id: 7,
-        seq: 1,
-        arrival_ns: now,
-        since_ns: now,
-        token: 9,
-        answers: Some(1),
+        boot_id: CONTROLLER,
+        seq: number(1),
+        arrival: time(now),
+        since: time(now),
+        token: token(9),
+        answers: Some(number(1)),
         drives: true,
         input,
         valid_for_ns: 10 * TICK_NS,
