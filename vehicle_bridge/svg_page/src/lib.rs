@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 pub mod chart;
+pub mod facets;
 pub mod panels;
 pub mod scale;
 

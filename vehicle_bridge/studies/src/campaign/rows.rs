@@ -153,7 +153,7 @@ impl Sheet {
         }
     }
 
-    pub(super) fn read(folder: &Path) -> Result<Self> {
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(SHEET);
         let text = std::fs::read_to_string(&path).with_context(|| {
             format!("{} is no folder of a campaign: no {SHEET}", folder.display())
