@@ -21,7 +21,7 @@ pub struct TourArgs {
     /// Folder for everything the tour writes
     #[arg(long, default_value = "out/tour", value_name = "DIR")]
     pub out: PathBuf,
-    /// Folder of the FMUs; by default out/fmu, or where the package installed them
+    /// Folder of the FMUs, as `make fmu` writes it; by default out/fmu
     #[arg(long, value_name = "DIR")]
     pub fmus: Option<PathBuf>,
     /// Interpreter that is asked for FMPy

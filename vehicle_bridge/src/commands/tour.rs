@@ -115,16 +115,10 @@ impl Tour<'_> {
         finish(command, &python, &arguments)
     }
 
-    /// The folder asked for, that of `make fmu`, or that of an installed package.
+    /// The folder asked for or that of `make fmu`, if there are FMUs in it.
     fn fmu_folder(&self) -> Option<PathBuf> {
-        let installed = self.program.parent().map(|folder| folder.join("../share/lmpc/fmu"));
-        let usual = [Some(PathBuf::from("out/fmu")), installed];
-        let mut places = match &self.args.fmus {
-            Some(folder) => vec![folder.clone()],
-            None => usual.into_iter().flatten().collect(),
-        };
-        places.retain(|folder| folder.join("fmi3/lmpc-vehicle.fmu").is_file());
-        places.into_iter().next()
+        let folder = self.args.fmus.clone().unwrap_or_else(|| PathBuf::from("out/fmu"));
+        folder.join("fmi3/lmpc-vehicle.fmu").is_file().then_some(folder)
     }
 
     /// The part on the network, where nothing it sends can leave.

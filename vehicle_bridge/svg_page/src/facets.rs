@@ -5,9 +5,10 @@
 use std::fmt::Write as _;
 
 use super::escape;
+use super::marks::{failures, mark};
 use super::scale::{Kind, Scale};
 
-const LEFT: f64 = 64.0;
+const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
 const BOTTOM: f64 = 46.0;
 /// Height of the panel's title.
@@ -18,8 +19,6 @@ const ROW: f64 = 15.0;
 const GAP: f64 = 18.0;
 /// Pixels between the whiskers of two lines at the same place.
 const ASIDE: f64 = 8.0;
-/// From so many places on a range is a band, and failures have no count.
-const MANY: usize = 13;
 /// Room of a character of a tick, about.
 const CHARACTER: f64 = 7.5;
 /// Dashes of the lines in turn.
@@ -75,6 +74,12 @@ pub struct Facets {
     pub x_ticks: Vec<(f64, String)>,
     /// Ends of the axis upwards; by default around the points.
     pub y_range: Option<(f64, f64)>,
+    /// Whether ranges are bands; otherwise whiskers, and failures have their count.
+    pub bands: bool,
+    /// Whether marks are joined; words on the axis have nothing between them.
+    pub joined: bool,
+    /// What the names of the lines are values of; may be empty.
+    pub names_of: String,
     /// Names of the lines; without lines to tell apart one empty name.
     pub names: Vec<String>,
     /// Panels side by side.
@@ -84,7 +89,7 @@ pub struct Facets {
 }
 
 /// Where things are in a panel.
-struct Frame {
+pub(crate) struct Frame {
     left: f64,
     top: f64,
     width: f64,
@@ -94,7 +99,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn x(&self, value: f64) -> f64 {
+    pub(crate) fn x(&self, value: f64) -> f64 {
         self.left + self.width * self.x.part(value)
     }
 
@@ -135,6 +140,13 @@ impl Facets {
             };
             let lowest = i + across >= self.facets.len();
             self.axes(&frame, column == 0, lowest, &mut out);
+            if column == 0 && rows > 0.0 {
+                let (x, y) = (LEFT - 7.0, frame.top - rows + 10.0);
+                let _ = write!(
+                    out,
+                    "<text class=\"count\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">failed</text>"
+                );
+            }
             self.panel(&frame, facet, &mut out);
         }
         let low = step * down as f64;
@@ -169,7 +181,12 @@ impl Facets {
             )
         };
         let all: String = self.names.iter().enumerate().map(entry).collect();
-        format!("<div class=\"legend\">{all}</div>\n")
+        let of = if self.names_of.is_empty() {
+            String::new()
+        } else {
+            format!("<b>{}</b>", escape(&self.names_of))
+        };
+        format!("<div class=\"legend\">{of}{all}</div>\n")
     }
 
     /// Numbers of the lines of which some run failed.
@@ -242,6 +259,49 @@ impl Facets {
         out.push('\n');
     }
 
+    fn draw(&self, line: &Line, i: usize, frame: &Frame, aside: f64, out: &mut String) {
+        let class = format!("s{}", i % 6);
+        for (x, y) in &line.dots {
+            let (x, y) = (frame.x(*x), frame.y(*y));
+            let _ = write!(
+                out,
+                "<circle class=\"dot faint {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2\"/>"
+            );
+        }
+        let ranged = || line.spots.iter().filter_map(|s| s.range.map(|range| (s.x, range)));
+        if self.bands {
+            let above = ranged().map(|(x, (_, high))| (frame.x(x), frame.y(high)));
+            let below: Vec<_> = ranged().map(|(x, (low, _))| (frame.x(x), frame.y(low))).collect();
+            let d = super::path(above.chain(below.into_iter().rev()), 1);
+            let _ = write!(out, "<path class=\"band {class}\" d=\"{d}Z\"/>");
+        }
+        let at =
+            |spot: &Spot| (frame.x(spot.x) + aside, spot.middle.map_or(f64::NAN, |m| frame.y(m)));
+        if self.joined {
+            let d = super::path(line.spots.iter().map(at), 1);
+            let _ = write!(
+                out,
+                "<path class=\"line {class}\" stroke-dasharray=\"{}\" d=\"{d}\"/>",
+                DASHES[i % 6]
+            );
+        }
+        for spot in line.spots.iter().filter(|spot| spot.middle.is_some()) {
+            let (x, y) = at(spot);
+            let _ = write!(out, "<g><title>{}</title>", escape(&spot.title));
+            if let Some((low, high)) = spot.range.filter(|_| !self.bands) {
+                let (low, high) = (frame.y(low), frame.y(high));
+                let _ = write!(
+                    out,
+                    "<path class=\"whisker {class}\" d=\"M{0:.1} {low:.1}H{1:.1}M{x:.1} {low:.1}\
+                 V{high:.1}M{0:.1} {high:.1}H{1:.1}\"/>",
+                    x - 3.0,
+                    x + 3.0
+                );
+            }
+            let _ = write!(out, "{}</g>", mark(i, x, y));
+        }
+    }
+
     fn panel(&self, frame: &Frame, facet: &Facet, out: &mut String) {
         let rows = self.rows();
         if !facet.title.is_empty() {
@@ -255,10 +315,10 @@ impl Facets {
         }
         for (i, line) in facet.lines.iter().enumerate() {
             let middle = 0.5 * (facet.lines.len().saturating_sub(1)) as f64;
-            let many = line.spots.len() >= MANY || !line.dots.is_empty();
+            let many = self.bands;
             let aside = if many { 0.0 } else { ASIDE * (i as f64 - middle) };
             let _ = write!(out, "<g class=\"series\">");
-            draw(line, i, frame, aside, many, out);
+            self.draw(line, i, frame, aside, out);
             if let Some(row) = rows.iter().position(|r| *r == i) {
                 let y = frame.top - ROW * (rows.len() - row) as f64 + 10.0;
                 failures(line, i, frame, (aside, y), many, out);
@@ -266,89 +326,6 @@ impl Facets {
             out.push_str("</g>\n");
         }
     }
-}
-
-fn draw(line: &Line, i: usize, frame: &Frame, aside: f64, many: bool, out: &mut String) {
-    let class = format!("s{}", i % 6);
-    for (x, y) in &line.dots {
-        let (x, y) = (frame.x(*x), frame.y(*y));
-        let _ = write!(
-            out,
-            "<circle class=\"dot faint {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2\"/>"
-        );
-    }
-    let ranged = || line.spots.iter().filter_map(|s| s.range.map(|range| (s.x, range)));
-    if many {
-        let above = ranged().map(|(x, (_, high))| (frame.x(x), frame.y(high)));
-        let below: Vec<_> = ranged().map(|(x, (low, _))| (frame.x(x), frame.y(low))).collect();
-        let d = super::path(above.chain(below.into_iter().rev()), 1);
-        let _ = write!(out, "<path class=\"band {class}\" d=\"{d}Z\"/>");
-    }
-    let at = |spot: &Spot| (frame.x(spot.x) + aside, spot.middle.map_or(f64::NAN, |m| frame.y(m)));
-    let d = super::path(line.spots.iter().map(at), 1);
-    let _ = write!(
-        out,
-        "<path class=\"line {class}\" stroke-dasharray=\"{}\" d=\"{d}\"/>",
-        DASHES[i % 6]
-    );
-    for spot in line.spots.iter().filter(|spot| spot.middle.is_some()) {
-        let (x, y) = at(spot);
-        let _ = write!(out, "<g><title>{}</title>", escape(&spot.title));
-        if let Some((low, high)) = spot.range.filter(|_| !many) {
-            let (low, high) = (frame.y(low), frame.y(high));
-            let _ = write!(
-                out,
-                "<path class=\"whisker {class}\" d=\"M{0:.1} {low:.1}H{1:.1}M{x:.1} {low:.1}\
-                 V{high:.1}M{0:.1} {high:.1}H{1:.1}\"/>",
-                x - 3.0,
-                x + 3.0
-            );
-        }
-        let _ = write!(out, "{}</g>", mark(i, x, y));
-    }
-}
-
-/// Crosses, with their number where there is room for it.
-fn failures(
-    line: &Line,
-    i: usize,
-    frame: &Frame,
-    (aside, y): (f64, f64),
-    many: bool,
-    out: &mut String,
-) {
-    let cross = |x: f64| {
-        format!(
-            "<path class=\"cross s{}\" d=\"M{:.1} {:.1}l6 6m0 -6l-6 6\"/>",
-            i % 6,
-            x - 3.0,
-            y - 8.0
-        )
-    };
-    for x in &line.failures {
-        out.push_str(&cross(frame.x(*x)));
-    }
-    for spot in line.spots.iter().filter(|spot| spot.failed > 0) {
-        let x = frame.x(spot.x) + if many { 0.0 } else { aside - 6.0 };
-        let _ = write!(out, "<g><title>{}</title>{}", escape(&spot.title), cross(x));
-        if !many {
-            let (x, failed) = (x + 5.0, spot.failed);
-            let _ = write!(out, "<text class=\"count\" x=\"{x:.1}\" y=\"{y:.1}\">{failed}</text>");
-        }
-        out.push_str("</g>");
-    }
-}
-
-/// The mark of a line: circle, square, triangle, diamond, and the last two hollow.
-fn mark(i: usize, x: f64, y: f64) -> String {
-    let hollow = if i % 6 >= 4 { " hollow" } else { "" };
-    let d = match i % 4 {
-        0 => format!("M{:.1} {y:.1}a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0 -7.2 0Z", x - 3.6),
-        1 => format!("M{:.1} {:.1}h6.4v6.4h-6.4Z", x - 3.2, y - 3.2),
-        2 => format!("M{x:.1} {:.1}l4.2 7.2h-8.4Z", y - 4.6),
-        _ => format!("M{x:.1} {:.1}l4.4 4.4l-4.4 4.4l-4.4 -4.4Z", y - 4.4),
-    };
-    format!("<path class=\"dot s{}{hollow}\" d=\"{d}\"/>", i % 6)
 }
 
 #[cfg(test)]
@@ -374,6 +351,9 @@ mod tests {
             y_kind: Kind::Linear,
             x_ticks: Vec::new(),
             y_range: None,
+            bands: false,
+            joined: true,
+            names_of: String::new(),
             names: (0..lines).map(|i| format!("line {i}")).collect(),
             across: 2,
             facets: vec![facet("one"), facet("two")],

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 pub mod chart;
 pub mod facets;
+mod marks;
 pub mod panels;
 pub mod scale;
 

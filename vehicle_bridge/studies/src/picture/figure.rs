@@ -8,11 +8,14 @@ use svg_page::scale::Kind;
 use super::groups::{Groups, MOST};
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME, Sample, is_share, samples};
 use super::table::Table;
+use super::words::{bare, label, wilson};
 use crate::campaign::{ranges_of, short};
 
 /// An axis with more numbers than this shows single runs, and medians of ranges.
 const SINGLE: usize = 12;
-/// Ranges of such an axis.
+/// Least number of runs of a range of such an axis, on average.
+const OF_A_RANGE: usize = 4;
+/// Most ranges of such an axis.
 const RANGES: usize = 8;
 /// An axis of positive numbers is logarithmic if they span this quotient.
 const DECADES: f64 = 15.0;
@@ -20,8 +23,6 @@ const DECADES: f64 = 15.0;
 const MARKED: usize = 10;
 /// Most panels.
 const PANELS: usize = 36;
-/// Quantile of the normal distribution for an interval of 95 %.
-const Z: f64 = 1.96;
 
 /// What a figure shows.
 #[derive(Debug, Clone, Default)]
@@ -161,6 +162,9 @@ impl Figure {
                 y_kind: if is_share(&self.y) { Kind::Linear } else { kind(false, &values) },
                 x_ticks: if marked { ticks.collect() } else { Vec::new() },
                 y_range: is_share(&self.y).then_some((0.0, 1.03)),
+                bands: single || self.x == LAP,
+                joined: !places.words,
+                names_of: self.by.clone().unwrap_or_default(),
                 names: names.collect(),
                 across: if self.down.is_none() {
                     across.names.len().min(4)
@@ -179,7 +183,9 @@ impl Figure {
         if single {
             let mut ats: Vec<f64> = own.iter().map(|s| at(s)).collect();
             ats.sort_by(f64::total_cmp);
-            for (from, to) in ranges_of(&ats, RANGES.min(ats.len())) {
+            for (from, to) in
+                ranges_of(&ats, (ats.len() / OF_A_RANGE).clamp(1, RANGES).min(ats.len()))
+            {
                 let inside: Vec<&Sample> =
                     own.iter().copied().filter(|s| (from..=to).contains(&at(s))).collect();
                 let middle = median(&mut inside.iter().map(|s| at(s)).collect::<Vec<f64>>());
@@ -215,7 +221,8 @@ impl Figure {
         let failed = inside.iter().filter(|s| s.failed).count();
         let (middle, range) = if is_share(&self.y) {
             let share = mean(&values);
-            (share, wilson(share, values.len()))
+            // Over the laps the intervals of several lines would hide one another.
+            (share, wilson(share, values.len()).filter(|_| self.y == FAILED))
         } else {
             let middle = median(&mut values);
             (middle, values.first().copied().zip(values.last().copied()))
@@ -248,13 +255,16 @@ impl Figure {
         } else {
             format!(", by {}", further.join(" and "))
         };
-        format!("{} over {}{further}", words(&self.y), words(&self.x))
+        let y = bare(&self.y);
+        let first = y.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+        let rest: String = y.chars().skip(1).collect();
+        format!("{first}{rest} over {}{further}", bare(&self.x))
     }
 
     fn note(&self, single: bool) -> String {
         match (self.y.as_str(), single) {
             (FAILED, _) => "Share of the runs that failed, with its interval of 95 %.",
-            (DRIVING, _) => "Share of the runs that finished the lap, with its interval of 95 %.",
+            (DRIVING, _) => "Share of the runs that finished the lap.",
             (LAP_TIME, _) if self.x == LAP => {
                 "Median and range over the runs that drove the lap; crosses above are failures."
             }
@@ -287,18 +297,6 @@ fn known(name: &str, points: &[(f64, f64)]) -> Line {
     Line { spots: points.iter().map(spot).collect(), ..Line::default() }
 }
 
-/// Interval of 95 % of a share found in `n` runs (Wilson 1927).
-fn wilson(share: f64, n: usize) -> Option<(f64, f64)> {
-    if n == 0 {
-        return None;
-    }
-    let n = n as f64;
-    let z2 = Z * Z / n;
-    let middle = (share + 0.5 * z2) / (1.0 + z2);
-    let half = Z * (share * (1.0 - share) / n + 0.25 * z2 / n).sqrt() / (1.0 + z2);
-    Some(((middle - half).max(0.0), (middle + half).min(1.0)))
-}
-
 fn join(a: &Option<String>, a_name: &str, b: &Option<String>, b_name: &str) -> String {
     let part = |column: &Option<String>, name: &str| {
         column
@@ -307,43 +305,6 @@ fn join(a: &Option<String>, a_name: &str, b: &Option<String>, b_name: &str) -> S
     };
     let parts: Vec<String> = part(a, a_name).into_iter().chain(part(b, b_name)).collect();
     parts.join(", ")
-}
-
-/// Units that end the names of columns.
-const UNITS: [(&str, &str); 9] = [
-    ("_mps", "m/s"),
-    ("_mps2", "m/s\u{b2}"),
-    ("_radps", "rad/s"),
-    ("_rad", "rad"),
-    ("_us", "\u{b5}s"),
-    ("_ms", "ms"),
-    ("_kg", "kg"),
-    ("_s", "s"),
-    ("_m", "m"),
-];
-
-/// A column in words, with its unit.
-fn label(name: &str) -> String {
-    match name {
-        FAILED => return "share of runs that failed".to_owned(),
-        DRIVING => return "share of runs that finished".to_owned(),
-        _ => {}
-    }
-    let found = UNITS.iter().find(|(end, _)| name.ends_with(end));
-    found.map_or_else(
-        || words(name),
-        |(end, unit)| format!("{} [{unit}]", words(name.strip_suffix(end).unwrap_or(name))),
-    )
-}
-
-/// A column's name; keys of settings stay as they are set.
-fn words(name: &str) -> String {
-    match name {
-        FAILED => "failed runs".to_owned(),
-        DRIVING => "runs that drive on".to_owned(),
-        _ if name.contains('.') => name.to_owned(),
-        _ => name.replace('_', " "),
-    }
 }
 
 #[cfg(test)]
@@ -394,15 +355,5 @@ mod tests {
         let line = &drawing.facets.facets[0].lines[0];
         assert_eq!((line.spots.len(), line.dots.len(), line.failures.len()), (8, 39, 1));
         assert!(line.spots.windows(2).all(|w| w[0].middle < w[1].middle));
-    }
-
-    #[test]
-    fn the_interval_of_a_share_is_wilsons() {
-        // Newcombe (1998), table I: 81 of 263 and 0 of 20.
-        let near =
-            |(a, b): (f64, f64), c: f64, d: f64| (a - c).abs() < 5e-5 && (b - d).abs() < 5e-5;
-        assert!(near(wilson(81.0 / 263.0, 263).unwrap(), 0.2553, 0.3662));
-        assert!(near(wilson(0.0, 20).unwrap(), 0.0, 0.1611));
-        assert!(wilson(f64::NAN, 0).is_none());
     }
 }

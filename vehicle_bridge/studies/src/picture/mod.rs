@@ -7,6 +7,7 @@ mod page;
 mod samples;
 mod table;
 mod template;
+mod words;
 
 pub use figure::Figure;
 pub use page::page;

@@ -21,7 +21,8 @@ pub enum Template {
 const COST: [&str; 2] = ["config.cost.control_rate", "control_rate_cost"];
 const BANDWIDTH: [&str; 2] = ["config.regression.bandwidth", "bandwidth"];
 const MODE: [&str; 2] = ["config.regression.mode", "regression"];
-const LAST_LAP: [&str; 2] = ["last_lap_s", "ilt20_s"];
+/// The last lap; the best one where a study drove too few laps to have the paper's iteration 20.
+const LAST_LAP: [&str; 3] = ["last_lap_s", "ilt20_s", "best_lap_s"];
 const MODEL_ERROR: [&str; 1] = ["model_error_median_median"];
 
 impl Template {
@@ -48,13 +49,15 @@ impl Template {
             ..Figure::new(x, y)
         };
         let mut figures = Vec::new();
-        if let Some(last) = any(table, &LAST_LAP) {
-            let mut figure = over(x, last, "Lap time of the last iteration");
+        if let Some(last) = measured(table, &LAST_LAP) {
+            let best = last == "best_lap_s";
+            let title = if best { "Best lap" } else { "Lap time of the last iteration" };
+            let mut figure = over(x, last, title);
             figure.known = if self == Self::Crc { of_the_paper()? } else { Vec::new() };
             figures.push(figure);
         }
         figures.push(over(x, FAILED, "Runs that failed"));
-        if let Some(error) = any(table, &MODEL_ERROR) {
+        if let Some(error) = measured(table, &MODEL_ERROR) {
             figures.push(over(x, error, "Error of the learned model, median of each run"));
         }
         if table.has("lap_times_s") {
@@ -71,6 +74,17 @@ impl Template {
 
 fn any<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
     names.iter().copied().find(|name| table.has(name))
+}
+
+/// The first of the columns in which a run that did not fail has a number.
+fn measured<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
+    let failed = table.failed();
+    let number = |text: &str| text.parse::<f64>().is_ok_and(f64::is_finite);
+    let any = |name: &&&str| {
+        let column = table.column(name).unwrap_or_default();
+        column.iter().zip(&failed).any(|(text, failed)| !failed && number(text))
+    };
+    names.iter().find(any).copied()
 }
 
 /// Table I: lap times of iteration 20 over the cost of the control rate, a line a mode.
@@ -90,17 +104,18 @@ fn of_the_paper() -> Result<Vec<(String, Vec<(f64, f64)>)>> {
 /// varies, with lines for the next axis of few values; both in small multiples for two or more axes.
 #[must_use]
 pub fn usual(table: &Table) -> Vec<Figure> {
-    let measure = ["ratio", "best_lap_s", "last_lap_s"].into_iter().find(|name| table.has(name));
+    let measure = measured(table, &["ratio", "best_lap_s", "last_lap_s"]);
     let axes = table.varied();
     let few = |axis: &&&str| table.values(axis).is_ok_and(|values| values.len() <= MOST);
     let mut figures = Vec::new();
     for axis in &axes {
         let by = axes.iter().filter(|other| *other != axis).find(few).map(|by| (*by).to_owned());
-        for y in measure.into_iter().chain(["overhang_max_m"].into_iter().filter(|y| table.has(y)))
-        {
+        for y in measure.into_iter().chain(measured(table, &["overhang_max_m"])) {
             figures.push(Figure { by: by.clone(), ..Figure::new(axis, y) });
         }
-        figures.push(Figure { by, ..Figure::new(axis, FAILED) });
+        if table.failed().contains(&true) {
+            figures.push(Figure { by, ..Figure::new(axis, FAILED) });
+        }
     }
     if let (Some(y), [x, across, rest @ ..]) = (measure, &axes[..]) {
         let (by, down) = (rest.iter().find(few), rest.iter().filter(few).nth(1));
