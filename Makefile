@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release wheel lint bench clean
+.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release deb deb-test wheel lint bench clean
 
 race:
 	tools/setup.sh race
@@ -71,6 +71,15 @@ fmu-old: fmu
 release:
 	tools/setup.sh race fmu
 	tools/release.sh
+
+# The Debian package of the program for this machine, in out/deb.
+deb:
+	tools/setup.sh race
+	tools/deb.sh
+
+# What is in the package; as root it is installed, used and purged behind an overlay.
+deb-test: deb
+	tests/interop/deb.sh
 
 # The wheels of the Python package for Linux (x64 and ARM64, glibc 2.17 or newer), in out/wheels.
 wheel:

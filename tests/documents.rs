@@ -217,3 +217,35 @@ fn lints_and_ci_check_everything_that_is_configured() {
     let oldest = oldest["workspace"]["package"]["rust-version"].as_str().unwrap();
     assert!(workflow.contains(&format!("rust-toolchain@{oldest}")), "the oldest Rust is tested");
 }
+
+/// Commands of a stage of the container file.
+fn stage(text: &str, name: &str) -> Vec<String> {
+    let begins = |line: &&str| line.starts_with("FROM") && line.ends_with(&format!(" AS {name}"));
+    let lines = text.lines().skip_while(|line| !begins(line)).skip(1);
+    let own = lines.take_while(|line| !line.starts_with("FROM"));
+    own.filter_map(|line| line.strip_prefix("RUN ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_container_runs_the_commands_of_the_readme() {
+    let (container, readme) =
+        (read(&root().join("Containerfile")), read(&root().join("README.md")));
+    let start = readme.split("## Start").nth(1).unwrap().split("```").nth(1).unwrap();
+    // `make test` needs network namespaces, which a build has not: its comment names the part that does not.
+    let commands: Vec<String> = start
+        .lines()
+        .filter_map(|line| line.strip_prefix("make "))
+        .map(|line| format!("make {}", line.split_whitespace().next().unwrap()))
+        .map(|line| if line == "make test" { "make test-fast".to_owned() } else { line })
+        .collect();
+    assert_eq!(stage(&container, "readme"), commands);
+    let makefile = read(&root().join("Makefile"));
+    let build = stage(&container, "build");
+    assert!(!build.is_empty());
+    for command in commands.iter().chain(&build) {
+        match command.strip_prefix("make ") {
+            Some(target) => assert!(makefile.contains(&format!("\n{target}:")), "{command}"),
+            None => assert!(root().join(command.split(' ').next().unwrap()).exists(), "{command}"),
+        }
+    }
+}

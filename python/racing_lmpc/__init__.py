@@ -7,6 +7,9 @@ keys will do.
 """
 
 from ._native import (
+    Campaign,
+    CampaignError,
+    CampaignTable,
     Car,
     CarError,
     Config,
@@ -35,6 +38,9 @@ from ._native import (
 )
 
 __all__ = [
+    "Campaign",
+    "CampaignError",
+    "CampaignTable",
     "Car",
     "CarError",
     "Config",

@@ -20,6 +20,9 @@ _ConfigLike: TypeAlias = Config | dict[str, Any]
 _Changes: TypeAlias = dict[str, float] | str
 
 __all__ = [
+    "Campaign",
+    "CampaignError",
+    "CampaignTable",
     "Car",
     "CarError",
     "Config",
@@ -51,6 +54,9 @@ __version__: str
 
 class Error(ValueError):
     """Something was refused; the message names what was found and what was expected."""
+
+class CampaignError(Error):
+    """A campaign or its table that is wrong."""
 
 class CarError(Error):
     """A car that does not exist or is wrong."""
@@ -667,6 +673,72 @@ class FailureRule:
     @property
     def lap_time_limit(self) -> float:
         """Longest time a lap may take [s]."""
+
+@final
+class Campaign:
+    """A campaign from a file, as ``lmpc study`` runs it.
+
+    Each of its runs is a function of its row: whoever drives it gets the same fields, to the last
+    bit. `racing_lmpc.engines.study` drives all of them on a cluster.
+    """
+
+    def __new__(cls, path: _Path) -> Campaign:
+        """Reads the file of a campaign.
+
+        Raises:
+            CampaignError: the file, or a file it names, is missing or wrong.
+        """
+
+    @property
+    def title(self) -> str:
+        """Heading."""
+
+    @property
+    def axes(self) -> list[str]:
+        """Keys of the axes."""
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns of ``runs.csv``."""
+
+    @property
+    def runs(self) -> list[int]:
+        """Numbers of the runs."""
+
+    def settings(self, run: int) -> str:
+        """Fingerprint of everything that is set in a run but the seed, and of the version."""
+
+    def drive(self, run: int) -> list[str]:
+        """Drives a run and returns its fields in the order of `columns`. Releases the interpreter's
+        lock. A car that fails is a result."""
+
+    def open(self, folder: _Path, fresh: bool = False) -> CampaignTable:
+        """Opens the table in a folder, which keeps the runs that it has; with `fresh` it begins a new
+        one. One folder takes one program at a time.
+
+        Raises:
+            CampaignError: the table has other columns or a line that is no row, another program
+                writes to it, or it cannot be written.
+        """
+
+@final
+class CampaignTable:
+    """The table of a campaign on disk: a line a run, written as soon as it is added."""
+
+    @property
+    def missing(self) -> list[int]:
+        """Numbers of the runs that are not in it."""
+
+    def add(self, fields: list[str]) -> None:
+        """Adds the fields of a run. A run that is in it already, because two workers drove it, is
+        left out.
+
+        Raises:
+            CampaignError: the fields are not those of a run of this campaign, or the table is closed.
+        """
+
+    def close(self) -> None:
+        """Puts the runs into the order of their numbers and lets the folder go."""
 
 @final
 class Race:

@@ -10,6 +10,7 @@ create_exception!(
     PyValueError,
     "Something was refused; the message names what was found and what was expected."
 );
+create_exception!(racing_lmpc, CampaignError, Error, "A campaign or its table that is wrong.");
 create_exception!(racing_lmpc, CarError, Error, "A car that does not exist or is wrong.");
 create_exception!(racing_lmpc, TrackError, Error, "A track that does not exist or is wrong.");
 create_exception!(

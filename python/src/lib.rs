@@ -2,6 +2,7 @@
 //! time-optimal lap behind Python classes. What a user reads stands in `racing_lmpc/_native.pyi`.
 
 mod arrays;
+mod campaign;
 mod car;
 mod config;
 mod controller;
@@ -21,6 +22,8 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
+    use super::campaign::{Campaign, CampaignTable};
+    #[pymodule_export]
     use super::car::Car;
     #[pymodule_export]
     use super::config::Config;
@@ -28,7 +31,7 @@ mod _native {
     use super::controller::{Controller, ControllerState};
     #[pymodule_export]
     use super::errors::{
-        CarError, ConfigError, DataError, Error, OptimumError, RaceError, TrackError,
+        CampaignError, CarError, ConfigError, DataError, Error, OptimumError, RaceError, TrackError,
     };
     #[pymodule_export]
     use super::optimum::{Optimum, optimum};

@@ -13,6 +13,11 @@ const FAILURE: u8 = 1;
 const USAGE: u8 = 2;
 
 fn main() -> ! {
+    if std::env::args_os().len() == 1 {
+        // A closed output: nobody reads it.
+        let _ = commands::welcome();
+        signal_hook::low_level::exit(0)
+    }
     let args = Cli::parse();
     args.color.apply();
     let code = match commands::run(args) {

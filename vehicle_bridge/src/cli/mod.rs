@@ -15,6 +15,7 @@ mod race;
 mod shell;
 mod study;
 mod top;
+mod tour;
 mod track;
 mod vehicle;
 mod view;
@@ -38,8 +39,12 @@ pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
 pub use race::{ControllerArgs, LimitArgs, OnFailure, RaceArgs};
 pub use shell::{CompletionsArgs, ManArgs};
-pub use study::{CampaignArgs, MergeArgs, PaperStudyArgs, Study, StudyArgs, TracksStudyArgs};
+pub use study::{
+    CampaignArgs, MergeArgs, PaperStudyArgs, ReportArgs, Study, StudyArgs, TemplateName,
+    TracksStudyArgs,
+};
 pub use top::TopArgs;
+pub use tour::TourArgs;
 pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs, TryVehicleArgs};
 pub use view::ViewArgs;
@@ -71,6 +76,8 @@ pub struct Cli {
 /// Subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Run the first things one does, in a minute, and show the command of each
+    Tour(TourArgs),
     /// Race a simulated car faster than real time: it learns lap after lap
     Race(Box<RaceArgs>),
     /// Race many cars, tracks and seeds, or repeat a study of the paper

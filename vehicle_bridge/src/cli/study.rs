@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use studies::campaign::Shard;
 use vehicle_model::Track;
 
@@ -18,6 +18,7 @@ Examples:
   lmpc study grip.toml --shard 2/10                          a tenth of it
   lmpc study grip.toml --slurm > job.sh                      all of it on a Slurm cluster
   lmpc study merge out/study-grip/shard-* --out out/study-grip
+  lmpc study report out/study-grip                           figures of it
 
 A campaign writes one line a run into runs.csv and goes on where it stopped when it is started again.
 Exit code 3 if more runs failed than its file allows, or one is beyond a limit.";
@@ -99,6 +100,58 @@ pub struct MergeArgs {
     pub json: bool,
 }
 
+const REPORT: &str = "\
+Examples:
+  lmpc study report out/study-grip                        best laps and failures along every axis
+  lmpc study report out/study-grip --x plant.mu --y best_lap_s overhang_m_max
+  lmpc study report out/study-grip --x plant.mu --y best_lap_s --by seed --across config.horizon.steps
+  lmpc study report out/study-crc --template crc          the paper's figures
+  lmpc study report out/iac/runs.csv --x track --y ratio --by plant
+
+Reads the runs.csv of any study. Shows the median and the range of the runs that did not fail, and
+above them a cross with the number of those that did. Words stand side by side, numbers at their
+place; an axis of many numbers shows every run and medians of ranges. Beside the columns there are
+--y failed, the share of the runs that failed, and over --x lap --y lap_time_s and driving, the share
+of the runs that finished the lap.";
+
+/// Options of `lmpc study report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Folder of a study, or its table
+    #[arg(value_name = "DIR|FILE")]
+    pub runs: PathBuf,
+    /// Axis to the right: a column, or lap
+    #[arg(long, value_name = "COLUMN", requires = "y")]
+    pub x: Option<String>,
+    /// What is measured, a figure for each: columns, failed, or over lap lap_time_s and driving
+    #[arg(long, num_args = 1.., value_name = "COLUMN", requires = "x")]
+    pub y: Vec<String>,
+    /// Column whose values are lines, at most 6 of them
+    #[arg(long, value_name = "COLUMN", requires = "x")]
+    pub by: Option<String>,
+    /// Column whose values are panels side by side
+    #[arg(long, value_name = "COLUMN", requires = "x")]
+    pub across: Option<String>,
+    /// Column whose values are panels below one another
+    #[arg(long, value_name = "COLUMN", requires = "across")]
+    pub down: Option<String>,
+    /// The paper's figures
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with = "x")]
+    pub template: Option<TemplateName>,
+    /// Page to write; by default report.html beside the table
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Names of the paper's figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TemplateName {
+    /// Over the cost of the control rate.
+    Crc,
+    /// Over the bandwidth.
+    Bandwidth,
+}
+
 /// A shard as on the command line, `2/10`.
 fn shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').map(|(part, of)| (part.parse(), of.parse()));
@@ -125,6 +178,9 @@ pub enum Study {
     Tracks(Box<TracksStudyArgs>),
     /// Merge the shards of a campaign into one table
     Merge(MergeArgs),
+    /// Draw any axis of a table of runs against any measure
+    #[command(after_help = REPORT)]
+    Report(ReportArgs),
 }
 
 /// Options of `lmpc study tracks`.

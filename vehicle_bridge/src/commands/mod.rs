@@ -23,16 +23,21 @@ mod setup;
 mod shell;
 mod study;
 mod study_progress;
+mod study_report;
 mod study_tracks;
 mod top;
+mod tour;
 mod track;
 mod track_page;
 mod vehicle;
 mod view;
 mod view_orders;
 mod view_source;
+mod welcome;
 
 use anyhow::Result;
+
+pub use welcome::welcome;
 
 use crate::cli::{Cli, Command, Vehicle, VehicleArgs};
 use crate::console::Talk;
@@ -72,6 +77,7 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     }
     let talk = Talk { quiet: cli.quiet };
     match cli.command {
+        Command::Tour(args) => tour::run(&args, talk),
         Command::Race(args) => race::run(&args, talk),
         Command::Study(args) => study::run(&args, talk),
         Command::Optimum(args) => optimum::run(&args, talk),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Result};
 
 use super::study_progress::bar;
-use super::{Outcome, campaign, study_tracks};
+use super::{Outcome, campaign, study_report, study_tracks};
 use crate::cli::{PaperStudyArgs, Study, StudyArgs};
 use crate::console::{self, Talk, result};
 use hosting::parallel::{parallel, threads};
@@ -23,6 +23,7 @@ pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
         Some(Study::Hardware(args)) => paper(StudyName::Hardware, args, talk),
         Some(Study::Tracks(args)) => study_tracks::run(args, talk),
         Some(Study::Merge(args)) => campaign::merge(args),
+        Some(Study::Report(args)) => study_report::run(args),
     }
 }
 

@@ -4,6 +4,7 @@ pub mod campaign;
 mod csv_file;
 mod definition;
 mod ledger;
+pub mod picture;
 mod plots;
 mod runs;
 mod table;

@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 pub mod chart;
+pub mod facets;
+mod marks;
 pub mod panels;
 pub mod scale;
 

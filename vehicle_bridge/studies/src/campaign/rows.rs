@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +44,11 @@ impl Columns {
         let words = ["run"].into_iter().chain(axes.iter().map(String::as_str)).chain(["seed"]);
         let names = words.chain(USUAL).chain(measures.iter().map(String::as_str)).chain(LAST);
         Self { names: names.collect(), axes: axes.len() }
+    }
+
+    /// Their names in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter()
     }
 
     /// The columns of a table with this head.
@@ -103,6 +108,38 @@ impl Row {
         Self { fields }
     }
 
+    /// A row that another process drove, from its fields.
+    ///
+    /// # Errors
+    /// If they are not those of a run of this campaign: another number of fields, another run,
+    /// axes, seed or fingerprint.
+    pub fn of(fields: Vec<String>, campaign: &Campaign, columns: &Columns) -> Result<Self> {
+        let wanted = columns.names.len();
+        ensure!(fields.len() == wanted, "found {} fields, expected {wanted}", fields.len());
+        let row = Self { fields };
+        let case = campaign.cases.iter().find(|case| case.number == row.number());
+        let own =
+            case.is_some_and(|case| Self::new(case, columns).key(columns) == row.key(columns));
+        ensure!(
+            own,
+            "run {} is of another campaign or version: {:?}",
+            row.fields[0],
+            row.key(columns)
+        );
+        Ok(row)
+    }
+
+    /// Number of the run; the greatest there is for a row without one.
+    #[must_use]
+    pub fn number(&self) -> usize {
+        self.fields[0].parse().unwrap_or(usize::MAX)
+    }
+
+    /// The fields in the order of the columns.
+    pub fn fields(&self) -> impl Iterator<Item = &str> {
+        self.fields.iter().map(String::as_str)
+    }
+
     /// Sets the field of a column.
     pub(super) fn set(&mut self, columns: &Columns, name: &str, value: String) {
         if let Some(place) = columns.place(name) {
@@ -153,7 +190,7 @@ impl Sheet {
         }
     }
 
-    pub(super) fn read(folder: &Path) -> Result<Self> {
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(SHEET);
         let text = std::fs::read_to_string(&path).with_context(|| {
             format!("{} is no folder of a campaign: no {SHEET}", folder.display())

@@ -54,17 +54,22 @@ fn distinct<'a>(columns: &Columns, rows: &'a [Row], axis: &str) -> Vec<&'a str> 
 }
 
 /// Ranges with as many values each.
-fn ranges(mut numbers: Vec<f64>) -> Vec<(f64, f64)> {
+pub(crate) fn ranges(mut numbers: Vec<f64>) -> Vec<(f64, f64)> {
     numbers.sort_by(f64::total_cmp);
+    ranges_of(&numbers, RANGES)
+}
+
+/// `count` ranges of sorted numbers with as many each; `count` is at most their number.
+pub(crate) fn ranges_of(numbers: &[f64], count: usize) -> Vec<(f64, f64)> {
     let ends = |i: usize| {
-        let (from, to) = (i * numbers.len() / RANGES, (i + 1) * numbers.len() / RANGES);
+        let (from, to) = (i * numbers.len() / count, (i + 1) * numbers.len() / count);
         (numbers[from], numbers[to - 1])
     };
-    (0..RANGES).map(ends).collect()
+    (0..count).map(ends).collect()
 }
 
 /// A number with four significant digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let digits = 3 - value.abs().log10().floor().clamp(-9.0, 3.0) as i32;
     let text = format!("{value:.*}", usize::try_from(digits).unwrap_or(0));
     if text.contains('.') {
