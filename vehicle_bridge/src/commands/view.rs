@@ -78,7 +78,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         for note in &notes {
             talk.say(&paint(WARN, &format!("warning: {note}")));
         }
-        let clock: Clock = Box::new(|| transport::now().mono_ns);
+        let clock: Clock = Box::new(|| transport::now().mono.as_ns());
         let view = Arc::new(View::new(args.network.url(), clock, resolve));
         subscribe(&network, &view)?;
         let orders = if args.operator { Some(view_orders::orders(&network)?) } else { None };
@@ -104,7 +104,7 @@ fn show(place: &str, talk: Talk) -> Result<()> {
 pub(super) fn subscribe(network: &Arc<dyn Transport>, view: &Arc<View>) -> Result<()> {
     let view = Arc::clone(view);
     let take = move |message: &Message<'_>| {
-        view.take(message.channel, message.payload, message.arrival.mono_ns);
+        view.take(message.channel, message.payload, message.arrival.mono.as_ns());
     };
     match network.subscribe(Filter::All, Box::new(take.clone())) {
         // Through liblcm channels are known by their subscriptions alone.

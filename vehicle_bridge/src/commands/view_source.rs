@@ -155,7 +155,7 @@ impl Race {
     }
 
     pub(super) fn clock(&self) -> Clock {
-        Box::new(|| transport::now().mono_ns)
+        Box::new(|| transport::now().mono.as_ns())
     }
 
     /// Drives until the laps are done; each period takes as long as the speed says.

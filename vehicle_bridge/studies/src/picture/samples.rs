@@ -115,7 +115,7 @@ mod tests {
         let found = samples(&table, LAP, LAP_TIME).unwrap();
         let of = |run: usize| found.iter().filter(move |s| s.run == run);
         assert_eq!((of(0).count(), of(1).count()), (3, 3));
-        assert!(of(1).last().is_some_and(|s| s.failed && s.x == "3"));
+        assert!(of(1).next_back().is_some_and(|s| s.failed && s.x == "3"));
         let driving = samples(&table, LAP, DRIVING).unwrap();
         let shares: Vec<f64> = driving.iter().filter(|s| s.x == "3").filter_map(|s| s.y).collect();
         assert_eq!(shares, [1.0, 0.0]);

@@ -87,8 +87,11 @@ fn measured<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
     names.iter().find(any).copied()
 }
 
+/// The name of a curve and its points.
+type Curve = (String, Vec<(f64, f64)>);
+
 /// Table I: lap times of iteration 20 over the cost of the control rate, a line a mode.
-fn of_the_paper() -> Result<Vec<(String, Vec<(f64, f64)>)>> {
+fn of_the_paper() -> Result<Vec<Curve>> {
     let study = Definition::of(StudyName::Crc)?;
     let cells: Vec<Cell> = study.cells(&[])?.into_iter().map(|(cell, _)| cell).collect();
     let line = |mode: &String| {
