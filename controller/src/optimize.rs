@@ -21,9 +21,6 @@ const CAP_BRAKE: f64 = 0.5;
 /// Share of the brakes with which a plan slows down where the road is slippery.
 const ROAD_BRAKE: f64 = 0.5;
 
-/// Share of the greatest acceleration with which a car regains speed that it lost.
-const REGAINED: f64 = 0.5;
-
 /// Standard deviations of the estimated place of the body that the lane is narrower on each side.
 const UNSURE: f64 = 2.0;
 /// Most that it is narrower, as a share of the track's width.
@@ -78,7 +75,7 @@ impl Workspace {
         track: &Track,
         model: &Discretized,
     ) -> Self {
-        let (n, hull) = (config.horizon.steps, config.safe_set.points());
+        let (n, hull) = (config.horizon.steps, config.safe_set.neighbors * config.safe_set.laps);
         let mut problem = Fhocp::new(n, hull);
         let (cost, dt) = (&config.cost, config.horizon.period);
         problem.input_cost = Vector2::new(cost.input_acceleration, cost.input);
@@ -160,11 +157,6 @@ impl Workspace {
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);
-        let slower = setup.config.safe_set.slower;
-        if slower > 0.0 {
-            let steps = setup.config.horizon.period * REGAINED * setup.car.a_max;
-            self.safe_set.add_slower(size.0, slower, steps.recip(), setup.car.l_r);
-        }
         let road = &memory.derived.road_speed;
         if self.speed_cap.is_finite() || road.bounds() {
             let slowest = match self.speed_cap.is_finite() {

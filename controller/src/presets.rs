@@ -31,12 +31,7 @@ impl Config {
         Self {
             preset: Preset::Paper,
             horizon: Horizon { steps: 13, period: 0.1, substeps: 10 },
-            safe_set: SafeSetConfig {
-                neighbors: 10,
-                laps: 3,
-                selection: Selection::Recent,
-                slower: 0.0,
-            },
+            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Recent },
             regression: RegressionConfig {
                 mode: RegressionMode::Error,
                 neighbors: 40,
@@ -102,12 +97,7 @@ impl Config {
         Self {
             preset: Preset::Race,
             horizon: Horizon { steps: 15, ..paper.horizon },
-            safe_set: SafeSetConfig {
-                neighbors: 10,
-                laps: 3,
-                selection: Selection::Fastest,
-                slower: 0.3,
-            },
+            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Fastest },
             regression: RegressionConfig {
                 neighbors: 40,
                 metric: [2.0, 2.0, 1.0, 1.0, 2.0],

@@ -34,17 +34,6 @@ section! {
     laps "laps": usize, symbol "P", unit "", range (1, 20), from preset;
     /// Which P laps.
     selection "selection": Selection, symbol "", unit "", range (), from preset;
-    /// Share of its speed by which one more point of each lap is slower, at the same place: what lets a car
-    /// that is too fast for its path brake although no lap was slower there. 0 for no such points.
-    slower "slower": f64, symbol "", unit "", range (0.0, 0.9), from preset;
-}
-
-impl SafeSetConfig {
-    /// Points of the safe set in one problem.
-    #[must_use]
-    pub fn points(&self) -> usize {
-        (self.neighbors + usize::from(self.slower > 0.0)) * self.laps
-    }
 }
 
 choice! {

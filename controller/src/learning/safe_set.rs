@@ -93,37 +93,28 @@ impl SafeSet {
         }
     }
 
-    /// Slows the points down to a speed at their place, on the same path; time passes in inverse proportion.
-    /// `l_r` is the distance of the rear axle from the centre of gravity \[m\].
+    /// Slows the points down to a speed at their place, on the same path: yaw rate in proportion, slip with the
+    /// square of the speed, the course as it was; time passes in inverse proportion. `l_r` is the
+    /// distance of the rear axle from the centre of gravity \[m\].
     pub(crate) fn slow_down(&mut self, speed: impl Fn(f64) -> f64, l_r: f64) {
         for (i, x) in self.points.iter_mut().enumerate() {
-            let r = speed(x[4]) / x[0];
+            let (v_x, v_y, omega_z) = (x[0], x[1], x[2]);
+            let speed = speed(x[4]);
+            let r = speed / v_x;
             if r.is_nan() || r <= 0.0 || r >= 1.0 {
                 continue;
             }
-            slow(x, r, l_r);
+            let slip = (l_r * omega_z - v_y) / v_x;
+            x[0] = speed;
+            x[2] = r * omega_z;
+            x[1] = l_r * x[2] - r * r * slip * speed;
+            x[3] += v_y / v_x - x[1] / speed;
             self.successor_s[i] = x[4] + r * (self.successor_s[i] - x[4]);
             self.cost_to_go[i] /= r;
         }
         let least = self.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         for cost in &mut self.cost_to_go {
             *cost -= least;
-        }
-    }
-
-    /// Adds the point nearest to the query from each lap, of `neighbors` points each, once more with `share`
-    /// less speed: a slower car on the same path is as safe, but no lap needs to have been slower there.
-    /// Each \[m/s\] lost costs `steps`.
-    pub(crate) fn add_slower(&mut self, neighbors: usize, share: f64, steps: f64, l_r: f64) {
-        let taken = self.points.len();
-        for i in (0..taken).step_by(neighbors.max(1)) {
-            let mut x = self.points[i];
-            let (v_x, r) = (x[0], 1.0 - share);
-            slow(&mut x, r, l_r);
-            self.points.push(x);
-            self.cost_to_go.push(self.cost_to_go[i] + steps * (v_x - x[0]));
-            self.inputs.push(self.inputs[i]);
-            self.successor_s.push(x[4] + r * (self.successor_s[i] - x[4]));
         }
     }
 
@@ -146,18 +137,6 @@ impl SafeSet {
     pub(crate) fn input(&self, lambda: &[f64]) -> Vector2<f64> {
         self.inputs.iter().zip(lambda).map(|(u, l)| u * *l).sum()
     }
-}
-
-/// Takes a state to the share r of its speed on the same path: yaw rate in proportion, slip with the square
-/// of the speed, the course as it was.
-fn slow(x: &mut Vector6<f64>, r: f64, l_r: f64) {
-    let (v_x, v_y, omega_z) = (x[0], x[1], x[2]);
-    let speed = r * v_x;
-    let slip = (l_r * omega_z - v_y) / v_x;
-    x[0] = speed;
-    x[2] = r * omega_z;
-    x[1] = l_r * x[2] - r * r * slip * speed;
-    x[3] += v_y / v_x - x[1] / speed;
 }
 
 /// Where and in which track the safe set is asked for.
