@@ -56,7 +56,8 @@ pub(crate) struct Workspace {
     speed_cap: f64,
     /// Limits of track and car.
     limit: SpeedLimit,
-    pub(crate) solver: Solver,
+    /// On the heap: a controller is moved while it is made, and a host's stack may be small.
+    pub(crate) solver: Box<Solver>,
     pub(crate) slacks: Slacks,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,
@@ -104,7 +105,7 @@ impl Workspace {
             limit: SpeedLimit::new(car, track, config.envelope.brake_share),
             points: Vec::with_capacity(n + 1),
             measured: None,
-            solver: Solver::new(config.solver.clone()),
+            solver: Box::new(Solver::new(config.solver.clone())),
             slacks: Slacks::default(),
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
