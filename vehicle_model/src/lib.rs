@@ -33,7 +33,7 @@ pub use model::{
     AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
     SpatialExpansion,
 };
-pub use outline::{BodyPoint, Extent, Outline};
+pub use outline::Outline;
 pub use params::{
     CAR_KEYS, CarDefault, CarGroup, CarKey, CarParams, CarRange, GRAVITY, ParamProblem, Secant,
     Tyre,
