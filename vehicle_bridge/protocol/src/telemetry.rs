@@ -278,7 +278,8 @@ mod tests {
             let step = Step::default();
             let message = step_message(Header::default(), &controller, &command, &step);
             assert_eq!(message.slack.len(), 4);
-            assert_eq!(message.action == MpcTelemetry::WARM_UP, n < 200 && learned == 0);
+            let warm_up = command.status.action == Action::WarmUp;
+            assert_eq!(message.action == MpcTelemetry::WARM_UP, warm_up);
             assert_eq!(message.grip, controller.grip().map(|factor| factor as f32));
             assert_eq!((message.road_grip, message.filtered), (1.0, false));
             if command.status.action == Action::Learned {
