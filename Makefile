@@ -19,6 +19,7 @@ test:
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
 	tests/interop/view.sh
+	tests/interop/slurm.sh
 	$(MAKE) fmu-test
 	python/test.sh
 
