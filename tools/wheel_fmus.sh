@@ -2,7 +2,7 @@
 # Puts the FMUs of `make fmu` where the Python package takes them into its wheel.
 set -eu
 cd "$(dirname "$0")/.."
-packed=python/racing_lmpc/packed
+packed=python/racing_lmpc/fmu_files
 for version in 2 3; do
     mkdir -p "$packed/fmi$version"
     for name in controller vehicle; do

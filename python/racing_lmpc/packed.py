@@ -3,7 +3,7 @@
 import pathlib
 from typing import Literal
 
-_FOLDER = pathlib.Path(__file__).with_name("packed")
+_FOLDER = pathlib.Path(__file__).with_name("fmu_files")
 
 
 def fmu_path(name: Literal["controller", "vehicle"], fmi: Literal[2, 3] = 3) -> pathlib.Path:

@@ -109,3 +109,43 @@ pub(super) fn bracketed(description: &str) -> Option<String> {
     let (_, unit) = description.trim().strip_suffix(']')?.rsplit_once('[')?;
     units::unit(unit).map(|_| unit.to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use super::*;
+
+    #[test]
+    fn a_name_gives_quantity_and_unit() {
+        for (name, joined, unit, start) in [
+            ("Vehicle.speed_kmh", "speed", Some("kmh"), false),
+            ("north_m", "north", Some("m"), false),
+            ("accel_g", "accel", Some("g"), false),
+            ("m", "m", None, false),
+            ("acceleration_request", "acceleration", None, false),
+            ("init_speed_kmh", "speed", Some("kmh"), true),
+            ("steering_right_deg", "steering", Some("deg"), false),
+        ] {
+            let found = words(name);
+            assert_eq!(
+                (found.joined.as_str(), found.unit.as_deref(), found.start),
+                (joined, unit, start),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn elements_of_small_arrays_are_axes() {
+        let row = |name: &str, dimensions: &[usize]| VariableRow {
+            name: name.to_owned(),
+            dimensions: dimensions.to_vec(),
+            ..VariableRow::default()
+        };
+        assert_eq!(words(&called(&row("velocity[1]", &[3]))).joined, "velocityy");
+        assert_eq!(words(&called(&row("angular_velocity[2]", &[3]))).joined, "angularvelocityz");
+        assert_eq!(called(&row("state[1]", &[6])), "state[1]");
+        assert_eq!(bracketed("speed [km/h]").unwrap(), "km/h");
+        assert_eq!(bracketed("both [m/s, rad]"), None);
+    }
+}
