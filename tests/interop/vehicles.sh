@@ -74,6 +74,6 @@ for name in ("Foreign", "Sae", "Compass", "WrongUnit", "Silent", "Late", "Array"
     assert len(theirs) == 5, (name, theirs)
     apart = max(abs(a / b - 1.0) for a, b in zip(ours, theirs))
     print(f"{name:<10} {' '.join(f'{lap:7.3f}' for lap in theirs)}  {100 * apart:.2f} % apart")
-    assert apart < (0.25 if name == "Late" else 0.03), name
+    assert apart < (0.5 if name == "Late" else 0.03), name
     assert min(theirs[2:]) < min(theirs[:2]), f"{name}: no learned lap is faster"
 PYTHON
