@@ -13,6 +13,12 @@ use crate::status::{Action, Phase, Probe, Reason, Status};
 /// Speed below which a car stands, in speeds sqrt(mu g l).
 const STANDING_SHARE: f64 = 0.17;
 
+/// Share of the driven speed below which a car is far slower than before.
+const FAR_SLOWER: f64 = 0.5;
+
+/// Share of the way of the driven laps in one period below which the end of a plan stays where it is.
+const STILL: f64 = 0.25;
+
 impl Controller {
     /// Drives from a believed state.
     pub(crate) fn drive(
@@ -136,7 +142,22 @@ impl Controller {
         status.front_slip_slack = greatest(&slacks.front);
         status.rear_slip_slack = greatest(&slacks.rear);
         status.speed_slack = greatest(&slacks.speed);
-        self.memory.plan.u[0]
+        let input = self.memory.plan.u[0];
+        if self.waits(x) {
+            // Planned anew from the car's own speed, the end lies where the car can get.
+            self.memory.drop_plan();
+        }
+        input
+    }
+
+    /// Whether a car far slower than it has been here has a plan whose end does not move on.
+    ///
+    /// A terminal state that the car cannot reach in the time of the horizon, but could later, makes it wait:
+    /// a step lost costs no more at the horizon's end than now. The plan's end then stays in one place, and
+    /// the car stops short of it.
+    fn waits(&self, x: &State) -> bool {
+        let driven = self.memory.derived.envelope.driven_at(x.s);
+        driven.is_finite() && x.v_x < FAR_SLOWER * driven && self.work.progress() < STILL
     }
 
     /// No solution: the shifted plan while it is young, then tracking, then braking.
@@ -230,18 +251,18 @@ impl Controller {
         x
     }
 
-    /// A trajectory to linearise about where no plan exists: tracking at the present speed.
+    /// A trajectory to linearise about where no plan exists: tracking at the present speed or, as bends
+    /// allow, that of the driven laps.
     fn first_plan(&mut self, x_0: &State) {
         let memory = &mut self.memory;
         let mut x = *x_0;
         memory.plan.clear();
         memory.plan.x.push(x);
         for _ in 0..self.setup.config.horizon.steps {
-            let u = self.setup.tracker.track(
-                &x,
-                &self.setup.track,
-                x_0.v_x.max(self.setup.config.warm_up.speed),
-            );
+            let driven = memory.derived.envelope.driven_at(x.s).min(self.work.speed_cap());
+            let driven = if driven.is_finite() { driven } else { 0.0 };
+            let speed = x_0.v_x.max(self.setup.config.warm_up.speed).max(driven);
+            let u = self.setup.tracker.track(&x, &self.setup.track, speed);
             x = self.setup.model.next(&x, &u, self.setup.track.road());
             memory.plan.u.push(u);
             memory.plan.x.push(x);

@@ -59,6 +59,7 @@ pub(crate) struct Workspace {
     /// On the heap: a controller is moved while it is made, and a host's stack may be small.
     pub(crate) solver: Box<Solver>,
     pub(crate) slacks: Slacks,
+    progress: f64,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,
     pub(crate) scratch: Scratch,
@@ -107,11 +108,17 @@ impl Workspace {
             measured: None,
             solver: Box::new(Solver::new(config.solver.clone())),
             slacks: Slacks::default(),
+            progress: 1.0,
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
             scratch: Scratch::new(&config.regression, n),
             probe: model.clone(),
         }
+    }
+
+    /// How far the end of the plan moved on in the last step, as a share of what the driven laps moved on there.
+    pub(crate) fn progress(&self) -> f64 {
+        self.progress
     }
 
     pub(crate) fn problem(&self) -> &Fhocp {
@@ -251,6 +258,9 @@ impl Workspace {
                 learned_model::error(data, config, t, (x, acting), &mut self.scratch);
             let model = &mut self.problem.model[t];
             *model = *model + error;
+            // The problem knows the mean of positions alone.
+            let ramp = setup.actuators.on_the_way(before(memory, t), memory.plan.u[t]);
+            model.c += model.b * ramp.to_vector();
             self.supports.push(support);
         }
     }
@@ -292,23 +302,25 @@ impl Workspace {
         report
     }
 
-    fn store(&self, memory: &mut Memory) {
-        let (share, far) = (self.step_length(), self.far());
+    fn store(&mut self, memory: &mut Memory) {
+        let (step, far) = (self.step_length(), self.far());
         let plan = &mut memory.plan;
         for (t, (ours, x)) in plan.x.iter_mut().zip(&self.solution.x).enumerate() {
             let mut x = *x;
             x[4] += self.origin;
             if t > far {
-                x = ours.to_vector().lerp(&x, share);
+                x = ours.to_vector().lerp(&x, step);
             }
             *ours = State::from_vector(&x);
         }
         for (t, (ours, u)) in plan.u.iter_mut().zip(&self.solution.u).enumerate() {
-            let u = if t > far { ours.to_vector().lerp(u, share) } else { *u };
+            let u = if t > far { ours.to_vector().lerp(u, step) } else { *u };
             *ours = Input::from_vector(&u);
         }
         memory.plan_age = 0;
-        memory.query_s = self.safe_set.successor(&self.solution.lambda);
+        let query_s = self.safe_set.successor(&self.solution.lambda);
+        self.progress = (query_s - memory.query_s) / self.safe_set.advance();
+        memory.query_s = query_s;
         memory.plan_tail = Input::from_vector(&self.safe_set.input(&self.solution.lambda));
     }
 
