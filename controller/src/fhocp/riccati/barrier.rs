@@ -141,11 +141,12 @@ impl Barrier {
         }
     }
 
-    /// The pull of the corrector; `second` weights the second-order term of the direction in
-    /// place.
+    /// The pull of the corrector; `second` weights the second-order term of the direction that was
+    /// kept.
     #[inline(always)]
     pub(super) fn correct(&mut self, target: f64, second: f64) {
-        let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r).zip(&self.delta);
+        let rows =
+            self.kept_dw.iter().zip(&self.kept_dz).zip(&self.z).zip(&self.r).zip(&self.delta);
         for (((((dw, dz), z), r), delta), (pull, inverse)) in
             rows.zip(self.pull.iter_mut().zip(&self.inverse))
         {
@@ -188,11 +189,11 @@ impl Barrier {
         1.0 / greatest
     }
 
-    /// Keeps the direction in place.
+    /// Keeps the direction in place, which is to be replaced.
     #[inline(always)]
     pub(super) fn keep(&mut self) {
-        self.kept_dw.copy_from_slice(&self.dw);
-        self.kept_dz.copy_from_slice(&self.dz);
+        std::mem::swap(&mut self.kept_dw, &mut self.dw);
+        std::mem::swap(&mut self.kept_dz, &mut self.dz);
     }
 
     /// The direction that is `part` of the way from the one that was kept to the one in place.

@@ -32,8 +32,8 @@ use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6
 
 use super::super::Fhocp;
 use super::product::{product, transpose};
-use super::rows::{FRONT, LANE, REAR, SPEED};
-use super::stage::{Curvature, Gradient};
+use super::rows::{FRONT, INPUT, LANE, RATE, REAR, Rows, SPEED};
+use super::stage::Stages;
 use crate::affine::Affine;
 
 /// A, B and their transposes of one stage.
@@ -92,18 +92,21 @@ pub(super) struct Gain {
 pub(super) fn factor(
     problem: &Fhocp,
     models: &[Model],
-    curvature: &[Curvature],
+    (rows, curvature): (&Rows, &[f64]),
     terminal: &Matrix6<f64>,
     gains: &mut [Gain],
 ) {
     let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
     let carry = carry(problem);
+    let on = |quantity: usize| rows.column(quantity, curvature);
+    let (rear_on, speed_on, lane_on, front_on) = (on(REAR), on(SPEED), on(LANE), on(FRONT));
+    let (inputs_on, rates_on) = (INPUT.map(on), RATE.map(on));
     for t in (0..problem.horizon()).rev() {
-        let (model, own) = (&models[t], &curvature[t]);
+        let model = &models[t];
         let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
-        add_square(&mut p, rear, own.soft[REAR]);
-        p[(0, 0)] += own.soft[SPEED];
-        p[(5, 5)] += own.soft[LANE];
+        add_square(&mut p, rear, rear_on[t]);
+        p[(0, 0)] += speed_on[t];
+        p[(5, 5)] += lane_on[t];
 
         let pb_m = product(&p, &model.b) + m;
         let mut f = product(&model.a_transposed, &pb_m);
@@ -118,12 +121,12 @@ pub(super) fn factor(
             Some((a_pe, transpose(&b_pb_m) * carry, (b_pb_m - transpose(&m_b)) * (carry * carry)))
         };
         for i in 0..3 {
-            f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
+            f[(i, 1)] += front_on[t] * front.velocity[i] * front.steering;
         }
-        g[(1, 1)] += own.soft[FRONT] * front.steering * front.steering;
-        g[(0, 0)] += own.input[0];
-        g[(1, 1)] += own.input[1];
-        let rate = &own.rate;
+        g[(1, 1)] += front_on[t] * front.steering * front.steering;
+        g[(0, 0)] += inputs_on[0][t];
+        g[(1, 1)] += inputs_on[1][t];
+        let rate = &Vector2::new(rates_on[0][t], rates_on[1][t]);
         let inverse =
             inverse(&Matrix2::new(g[(0, 0)] + rate[0], g[(0, 1)], g[(1, 0)], g[(1, 1)] + rate[1]));
         let state = product(&f, &inverse);
@@ -144,7 +147,7 @@ pub(super) fn factor(
         }
         let pa = product(&p, &model.a);
         p = product(&model.a_transposed, &pa) - product(&state, &transpose(&f));
-        add_square(&mut p, &front.velocity, own.soft[FRONT]);
+        add_square(&mut p, &front.velocity, front_on[t]);
         symmetrise(&mut p);
         m = scale_columns(&state, rate);
         n = kept;
@@ -163,8 +166,8 @@ pub(super) fn factor(
 pub(super) fn backward(
     problem: &Fhocp,
     models: &[Model],
-    curvature: &[Curvature],
-    gradient: &[Gradient],
+    rates: [&[f64]; 2],
+    gradient: &Stages<'_>,
     defect: Option<&[Vector6<f64>]>,
     terminal: &Vector6<f64>,
     gains: &mut [Gain],
@@ -172,21 +175,22 @@ pub(super) fn backward(
     let (mut p, mut n) = (*terminal, Vector2::zeros());
     let carry = carry(problem);
     for t in (0..problem.horizon()).rev() {
-        let (own, gain) = (&gradient[t], &mut gains[t]);
-        p += own.next_state(problem, t);
+        let (rate, gain) = (gradient.rate(t), &mut gains[t]);
+        p += gradient.next_state(t);
         if let Some(defect) = defect {
             p += gain.p * defect[t];
             n += gain.m.tr_mul(&defect[t]);
         }
         gain.gradient = p;
         let (a_p, b_p) = models[t].adjoint(&p);
-        let h = own.input(problem, t) + own.rate + b_p + n;
+        let h = gradient.input(t) + rate + b_p + n;
         gain.offset = product(&gain.inverse, &h);
-        p = a_p - product(&gain.state, &h) + own.state(problem, t);
+        p = a_p - product(&gain.state, &h) + gradient.state(t);
         if carry == 0.0 {
-            n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
+            let own = Vector2::new(rates[0][t], rates[1][t]);
+            n = own.component_mul(&gain.offset) - rate;
         } else {
-            n = gain.previous.tr_mul(&h) - own.rate + b_p * carry;
+            n = gain.previous.tr_mul(&h) - rate + b_p * carry;
         }
     }
 }
