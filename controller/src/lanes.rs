@@ -18,6 +18,30 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     rest.fold(total(sums), |sum, (a, b)| sum + a * b)
 }
 
+/// Inner products of one vector with several at once, which are no shorter.
+#[inline(always)]
+pub(crate) fn dots<const K: usize>(a: &[f64], columns: [&[f64]; K]) -> [f64; K] {
+    const NARROW: usize = 4;
+    let (blocks, rest) = a.as_chunks::<NARROW>();
+    let columns = columns.map(|column| column[..a.len()].as_chunks::<NARROW>());
+    let mut sums = [[0.0; NARROW]; K];
+    for (at, a) in blocks.iter().enumerate() {
+        for k in 0..K {
+            let b = &columns[k].0[..blocks.len()][at];
+            for l in 0..NARROW {
+                sums[k][l] += a[l] * b[l];
+            }
+        }
+    }
+    let mut found = [0.0; K];
+    for k in 0..K {
+        let rest = rest.iter().zip(columns[k].1);
+        let [a, b, c, d] = sums[k];
+        found[k] = rest.fold((a + c) + (b + d), |sum, (a, b)| sum + a * b);
+    }
+    found
+}
+
 /// Sum.
 #[inline(always)]
 pub(crate) fn sum(values: &[f64]) -> f64 {

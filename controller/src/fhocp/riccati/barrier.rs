@@ -17,6 +17,7 @@
 
 use std::ops::Range;
 
+use super::columns::{each, greatest};
 use crate::lanes::{dot, sum};
 
 /// Lanes of a search for the greatest.
@@ -88,13 +89,8 @@ impl Barrier {
     /// Residuals from the image of the iterate; returns the greatest.
     #[inline(always)]
     pub(super) fn residuals(&mut self) -> f64 {
-        let rows = self.r.iter_mut().zip(&self.image).zip(&self.w).zip(&self.b);
-        let mut greatest: f64 = 0.0;
-        for (((r, image), w), b) in rows {
-            *r = image + w - b;
-            greatest = if r.abs() > greatest { r.abs() } else { greatest };
-        }
-        greatest
+        each(&mut self.r, [&self.image, &self.w, &self.b], |[image, w, b]| image + w - b);
+        greatest(&self.r, 0.0)
     }
 
     /// Curvature of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.

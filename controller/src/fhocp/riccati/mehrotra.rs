@@ -42,6 +42,9 @@ const STALLED: f64 = 1e-5;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
+/// Gap or violation from which on the dual residual is not looked at: the iterate is no solution anyway.
+const FAR: f64 = 1e-3;
+
 /// How far an iterate is from the optimum.
 #[derive(Debug, Clone, Copy)]
 struct Residuals {
@@ -300,11 +303,16 @@ impl Work {
         self.image(problem);
         let primal = self.barrier.residuals();
         self.costs.set(&self.at, &self.point.s);
-        self.gradient.set(&self.costs, &self.rows, &self.barrier.z);
         self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
+        let cost = self.hull.cost(&problem.hull_cost, &self.point.lambda)
+            + self.costs.cost(&self.at, &self.point.s);
+        self.gap = self.barrier.gap();
+        let gap = self.gap / (1.0 + cost.abs());
+        if gap > FAR || primal > FAR {
+            return Residuals { gap, primal, dual: 0.0 };
+        }
+        self.gradient.set(&self.costs, &self.rows, &self.barrier.z);
         let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
-        let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
-        cost += self.costs.cost(&self.at, &self.point.s);
         dual = greatest(&self.gradient.slack, dual);
         let mut scale: f64 = 1.0;
         // Stationarity of x_{t+1} without its own rows, and what a stage has on the input before.
@@ -322,8 +330,6 @@ impl Work {
             after = a_pi + gradient.state(t);
             input_after = b_pi * carry - rate;
         }
-        self.gap = self.barrier.gap();
-        let gap = self.gap / (1.0 + cost.abs());
         // Costates carry the rounding of a curvature up to 1 / delta.
         Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
     }
