@@ -19,8 +19,8 @@ test:
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
 	tests/interop/view.sh
-	python/test.sh
 	$(MAKE) fmu-test
+	python/test.sh
 
 # Unit tests, the two core crates, the source tree and the documents: no packages, no network.
 test-fast:

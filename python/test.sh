@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds the Python package, installs it into a venv of its own and runs its tests.
+# Builds the Python package, installs it into a venv of its own and runs its tests. They need the FMUs of
+# `make fmu`.
 # `tools/setup.sh race test` installs what the system lacks for it. Arguments go to pytest.
 set -eu
 cd "$(dirname "$0")/.."

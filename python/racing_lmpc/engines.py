@@ -87,7 +87,7 @@ def ray(count: int | None = None) -> Engine:
     """
 
     def run(function: Callable[[_Job], _Result], jobs: Iterable[_Job]) -> Iterator[tuple[_Job, _Result]]:
-        import ray  # type: ignore[import-not-found,import-untyped]
+        import ray
 
         remote = ray.remote(max_retries=-1)(function)
         most = count or max(1, 4 * int(ray.cluster_resources().get("CPU", 1)))

@@ -90,7 +90,8 @@ def test_a_worker_with_other_settings_is_refused(campaign, tmp_path):
 
 
 def test_dask_gives_the_same_table_with_a_worker_killed_half_way(campaign, tmp_path):
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     file, expected = campaign
     with distributed.LocalCluster(
         n_workers=3, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path / "dask")
@@ -115,7 +116,8 @@ def test_dask_gives_the_same_table_with_a_worker_killed_half_way(campaign, tmp_p
 
 
 def test_ray_gives_the_same_table(campaign, tmp_path, monkeypatch):
-    ray = pytest.importorskip("ray")
+    import ray
+
     # Workers look into the current folder first, and the package there is not built.
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [p for p in sys.path if not (pathlib.Path(p) / "pyproject.toml").exists()])

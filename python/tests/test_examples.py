@@ -5,7 +5,6 @@ import pathlib
 
 import nbclient
 import nbformat
-import pytest
 
 import racing_lmpc as lmpc
 
@@ -26,7 +25,6 @@ def test_the_notebook_runs_and_is_kept_without_outputs(tmp_path):
 
 
 def test_tuning_keeps_its_constraints_and_repeats():
-    pytest.importorskip("optuna")
     spec = importlib.util.spec_from_file_location("tune", EXAMPLES / "tune.py")
     tune = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tune)

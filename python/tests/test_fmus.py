@@ -8,11 +8,10 @@ import pytest
 import racing_lmpc as lmpc
 from racing_lmpc import engines, fmus
 
-pytest.importorskip("fmpy")
 FOLDER = pathlib.Path(os.environ.get("LMPC_FMUS", pathlib.Path(__file__).parents[2] / "out" / "fmu"))
 CONTROLLER = FOLDER / "fmi3" / "lmpc-controller.fmu"
 VEHICLE = FOLDER / "fmi3" / "lmpc-vehicle.fmu"
-pytestmark = pytest.mark.skipif(not CONTROLLER.exists(), reason="no FMUs: make fmu")
+assert CONTROLLER.exists(), f"no {CONTROLLER}: make fmu"
 
 
 def pair(**more):

@@ -2,11 +2,10 @@
 
 import csv
 
-import pytest
+import pyarrow
 
 from racing_lmpc import rows
 
-pyarrow = pytest.importorskip("pyarrow")
 TABLE = """run,plant.mu,car,seed,failure,best_lap_s,fallbacks,lap_times_s,settings
 0,0.7,barc,0,,4.100000000000001,0,6.5 4.100000000000001,0123
 1,1,barc,1,spin,,3,,0e45

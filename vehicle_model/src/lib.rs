@@ -33,7 +33,7 @@ pub use model::{
     AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
     SpatialExpansion,
 };
-pub use outline::{BodyPoint, Extent, Outline};
+pub use outline::Outline;
 pub use params::{CarParams, GRAVITY, ParamProblem, Secant, Tyre};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use road::{Road, RoadPoint, Surface};

@@ -245,7 +245,7 @@ pub fn read(path: &Path) -> Result<Fhocp, ProblemError> {
 /// The problems of a folder, or of one file, by name in alphabetical order.
 ///
 /// # Errors
-/// If there is none, or one cannot be read.
+/// If the folder holds no problem, or a file cannot be read.
 pub fn read_all(path: &Path) -> Result<Vec<(String, Fhocp)>, ProblemError> {
     let file = |source| ProblemError::File { path: path.to_owned(), source };
     let mut paths = Vec::new();

@@ -1,9 +1,8 @@
 // Curves along the lap: other laps and what is driven are drawn as they come, the cursor in each frame.
 
-import { state, T, S, V, A, DELTA, USE_F, USE_R, SUPPORT, LIMITED, at, behind, pose, reached } from './state.js';
+import { state, T, S, V, A, DELTA, USE_F, USE_R, SUPPORT, LIMITED, at, behind, number, pose, reached } from './state.js';
 
 const LEFT = 44, RIGHT = 8, TOP = 6, BOTTOM = 18, GAP = 0.05;
-const number = (value, digits = 2) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 const signed = (value, digits = 2) => (Number.isFinite(value) ? (value < 0 ? '−' : '+') + Math.abs(value).toFixed(digits) : '–');
 
 // Each chart: its name, unit, the series of a lap, limits, the least range, and how a value is written.

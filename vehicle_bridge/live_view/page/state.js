@@ -65,6 +65,9 @@ function moved(car) {
   motion.since = now;
 }
 
+// A number as it is written.
+export const number = (value, digits = 2) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
+
 // Value of a column of a trace at a place, between the samples around it.
 export function at(samples, s, column, key = S) {
   let low = 0, high = samples.length - 1;
@@ -102,11 +105,7 @@ export function listen() {
     for (const what of ['world', 'laps', 'lap']) state.versions[what] += 1;
     changed('hello');
   });
-  on('world', (world) => {
-    state.world = world;
-    if (world.optimum) state.world.optimum.samples = world.optimum.samples.map(([t, s, x, y, v]) => [t, s, x, y, v]);
-    changed('world');
-  });
+  on('world', (world) => { state.world = world; changed('world'); });
   on('laps', (laps) => { state.laps = laps; changed('laps'); });
   on('status', ({ seen, ended }) => { state.status = seen; state.ended = ended; changed('status'); });
   on('frame', onFrame);

@@ -1,6 +1,6 @@
 // Tables of laps, programs and channels, the numbers on top, and the times of the steps.
 
-import { state, T, behind } from './state.js';
+import { state, T, behind, number } from './state.js';
 
 const $ = (id) => document.getElementById(id);
 const set = (id, text) => {
@@ -10,7 +10,6 @@ const set = (id, text) => {
   // A lap of minutes has more digits than a tile of a phone has room for.
   node.closest('.numbers b')?.classList.toggle('long', text.length > 6);
 };
-const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 const seconds = (value) => {
   if (!Number.isFinite(value)) return '–';
   const minutes = Math.floor(value / 60);
@@ -35,7 +34,7 @@ const word = (program) => (state.ended ? 'ended' : program.alive ? program.state
 
 export function numbers() {
   const { car, laps, world } = state, live = state.lap.samples.at(-1), best = laps.best;
-  set('n-speed', car ? fixed(car.v, 2) : '–');
+  set('n-speed', car ? number(car.v, 2) : '–');
   set('n-lap', car ? `${state.lap.lap}` : '');
   set('n-time', live && state.lap.whole ? seconds(live[T]) : '–');
   const gain = live && best && state.lap.whole ? behind(live, best.samples) : NaN;
@@ -94,7 +93,7 @@ export function laps() {
     const known = (text) => (row.judged ? text : '');
     return { kind: first ? 'first' : row.valid ? '' : 'invalid', cells: [
       [`${first ? '★ ' : ''}${row.lap}`], [seconds(row.time)], [first ? 'best' : best ? signed(row.time - best.time) : ''],
-      [row.valid ? '✓ yes' : '✕ no'], [known(fixed(row.min_margin, 3))], [fixed(row.v_max, 2), 'wide'],
+      [row.valid ? '✓ yes' : '✕ no'], [known(number(row.min_margin, 3))], [number(row.v_max, 2), 'wide'],
       [known(`${row.fallbacks}`)], [known(`${row.late}`), 'wide'], [known(`${row.violations}`), 'wide']] };
   });
   table('laps', [['lap'], ['time'], ['to best'], ['valid'], ['margin [m]'], ['v max', 'wide'], ['fallback'], ['late', 'wide'], ['off track', 'wide']], shown.reverse());
@@ -107,7 +106,7 @@ export function programs() {
     const head = document.createElement('div'), name = document.createElement('b'), facts = document.createElement('span');
     name.textContent = program.name;
     facts.className = 'soft num';
-    facts.textContent = `${program.sender}  ${program.version}  up ${age(program.uptime_s)}  ${fixed(program.rss_mb, 0)} MB${program.granted ? '  granted' : ''}`;
+    facts.textContent = `${program.sender}  ${program.version}  up ${age(program.uptime_s)}  ${number(program.rss_mb, 0)} MB${program.granted ? '  granted' : ''}`;
     head.append(name, chip('', word(program)), facts);
     const counts = document.createElement('dl');
     for (const what of ['ok', 'bad', 'old', 'stale', 'lost']) {
@@ -138,7 +137,7 @@ export function channels() {
   const rows = state.status?.channels ?? [];
   set('channel-count', rows.length ? `${rows.length} channels` : 'none yet');
   table('channels', [['channel'], ['rate [Hz]'], ['age'], ['lost'], ['unreadable'], ['senders', 'wide'], ['bytes', 'wide'], ['messages', 'wide']], rows.map((c) => ({
-    kind: c.lost || c.unreadable ? 'some' : '', cells: [[c.name], [fixed(c.rate_hz, 1)], [age(c.age_s)], [`${c.lost}`], [`${c.unreadable}`],
+    kind: c.lost || c.unreadable ? 'some' : '', cells: [[c.name], [number(c.rate_hz, 1)], [age(c.age_s)], [`${c.lost}`], [`${c.unreadable}`],
       [`${c.senders}`, 'wide'], [`${c.bytes}`, 'wide'], [`${c.count}`, 'wide']] })));
 }
 
@@ -172,5 +171,5 @@ export function steps(look) {
     if (solve > 0) { g.fillStyle = look.ink; g.fillRect(px(i) - bar / 2, py(solve / 1e3) - 1, bar, 2); }
   });
   const step = state.status?.step;
-  set('step-text', step ? `${fixed(step.total_ms, 2)} of ${fixed(step.deadline_ms, 0)} ms · solver ${fixed(step.solve_ms, 2)} · longest ${fixed(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
+  set('step-text', step ? `${number(step.total_ms, 2)} of ${number(step.deadline_ms, 0)} ms · solver ${number(step.solve_ms, 2)} · longest ${number(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
 }

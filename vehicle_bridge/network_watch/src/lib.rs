@@ -12,4 +12,4 @@ pub use seen::Seen;
 pub use snapshot::{
     CarSeen, ChannelSeen, OrderAnswer, OrderSeen, ProgramSeen, Snapshot, StepSeen, TrackSeen,
 };
-pub use watch::{Watch, step_status};
+pub use watch::Watch;

@@ -230,8 +230,7 @@ fn program(name: &str, beat: &Heartbeat, age_s: f64) -> ProgramSeen {
 }
 
 /// How a solver ended, in words, by the code of `LMPC/TELEM`.
-#[must_use]
-pub fn step_status(status: i8) -> &'static str {
+fn step_status(status: i8) -> &'static str {
     match status {
         MpcTelemetry::SOLVED => "solved",
         MpcTelemetry::MAX_ITER => "too many iterations",

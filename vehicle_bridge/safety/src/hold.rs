@@ -45,7 +45,8 @@ impl Hold {
 
     /// A state of a car that does not drive.
     pub(super) fn on_state(&mut self, rules: &Rules, x: &State, now: MonoTime) {
-        // Against a car that rolls back, more of the same helps only where it is a brake.
+        // A car that rolls backwards is left out: more deceleration holds it only where it is a brake,
+        // and not a reverse drive.
         if x.v_x < rules.still {
             self.slow = None;
             return;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
-use super::Outcome;
+use super::{Outcome, folders};
 use crate::cli::BenchArgs;
 use crate::console::{self, Talk, result};
 use hosting::problem_file;
@@ -15,6 +15,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
     if let Some(path) = &args.read_qp {
         return solve(path, args.json);
     }
+    args.dump_qp.as_deref().map_or(Ok(()), folders::results)?;
     let laps = args.laps.iter().map(|laps| *laps as usize).collect();
     let plan = Plan { steps: args.steps as usize, laps, initial: args.initial as usize };
     let mut all = Vec::new();
@@ -39,8 +40,6 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
 
 /// Writes the problems of a case.
 fn dump(folder: &Path, case: u32, times: &CaseTimes) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     for (k, problem) in times.problems.iter().enumerate() {
         let name = format!("case{case}_{}_n{}_{k:05}.json", times.car, times.horizon);
         problem_file::write(&folder.join(name), problem)?;
@@ -52,7 +51,7 @@ fn dump(folder: &Path, case: u32, times: &CaseTimes) -> Result<()> {
 fn solve(path: &Path, json: bool) -> Result<Outcome> {
     let compared = compare(&problem_file::read_all(path)?);
     if json {
-        result(&serde_json::to_string_pretty(&compared)?)?;
+        console::json(&compared)?;
     } else {
         result(&compared_text(&compared))?;
     }

@@ -45,7 +45,7 @@ const UNSIGNED: &str = "without a key (--key) every program on this network can 
 /// How often a log is looked at.
 const LOOK: Duration = Duration::from_millis(50);
 /// In lock-step, how long the car waits for an answer.
-const PATIENCE: Duration = Duration::from_secs(30);
+pub(super) const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Serves until Ctrl-C.
 pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
@@ -74,7 +74,12 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
         wait_for_start: args.wait_for_start,
         valid_for: args.valid_for_ms.map_or(VALID_PERIODS * period, |ms| f64::from(ms) * 1e-3),
         notes,
-        setup: setup_message(&args.controller, &controller)?,
+        setup: setup_message(
+            &args.controller,
+            controller.config(),
+            controller.track(),
+            &args.controller.car,
+        )?,
         log: log.as_ref().map(|watched| watched.log.clone()),
         seal,
         overrun: args.bench_overrun,
@@ -333,10 +338,14 @@ pub(super) fn real_time(wanted: bool) -> Vec<String> {
 }
 
 /// The controller's setup, for the bridge to compare.
-fn setup_message(args: &ControllerArgs, controller: &Controller) -> Result<lcm_types::Setup> {
-    let setup = comparable(args, controller.config(), controller.track())?;
-    let (track, car) = (controller.track().name().to_owned(), args.car.clone());
-    let Setup { track_id, car_id, config_id, period_ns } = setup;
+pub(super) fn setup_message(
+    args: &ControllerArgs,
+    config: &Config,
+    track: &Track,
+    car: &str,
+) -> Result<lcm_types::Setup> {
+    let Setup { track_id, car_id, config_id, period_ns } = comparable(args, config, track)?;
+    let (track, car) = (track.name().to_owned(), car.to_owned());
     Ok(lcm_types::Setup {
         track_id,
         car_id,

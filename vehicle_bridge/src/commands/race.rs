@@ -37,6 +37,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     options.keep_unsolved = args.dump_qp.is_some();
     options.config.warm_up.seed = args.seed;
     folders::results(&args.out)?;
+    args.dump_qp.as_deref().map_or(Ok(()), folders::results)?;
     args.save.as_deref().map_or(Ok(()), folders::file)?;
     let lead = lead(&options);
     talk.say(&lead);
@@ -92,8 +93,6 @@ fn drive(race: &mut Race, json: bool, talk: Talk) -> Result<()> {
 
 /// Writes the problems that were not solved to tolerance.
 fn dump(folder: &Path, race: &Race, talk: Talk) -> Result<()> {
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     for (step, problem) in &race.unsolved {
         problem_file::write(&folder.join(format!("step{step:06}.json")), problem)?;
     }

@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result, bail};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
-use super::Outcome;
+use super::{Outcome, folders};
 use crate::cli::TourArgs;
 use crate::console::{BEST, GOOD, SOFT, Talk, WARN, paint, result};
 use hil_bench::host::NETWORK_UP;
@@ -33,8 +33,7 @@ pub(super) fn run(args: &TourArgs, talk: Talk) -> Result<Outcome> {
         tour.network()?;
         return Ok(Outcome::Done);
     }
-    fs::create_dir_all(&args.out)
-        .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    folders::results(&args.out)?;
     tour.heading(1, "A race: four laps at low speed, then ten that are faster and faster")?;
     let race = tour.file("race");
     tour.lmpc(&["race", "--laps", "10", "--out", &race])?;

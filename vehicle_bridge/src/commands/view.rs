@@ -88,7 +88,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         _joined = Some(network);
     }
     // What was shown can be looked at until the end is asked for.
-    while !stop.load(Ordering::Relaxed) {
+    while !is_set(&stop) {
         std::thread::sleep(NAP);
     }
     Ok(Outcome::Done)

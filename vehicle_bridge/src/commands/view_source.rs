@@ -13,7 +13,7 @@ use lcm_types::channels;
 use lcm_types::eventlog::{Event, Reader};
 use vehicle_model::{Plant, PlantParams, State};
 
-use super::network::comparable;
+use super::network::{PATIENCE, setup_message};
 use super::view::{is_set, subscribe};
 use crate::cli::ViewArgs;
 use hosting::rule::FailureRule;
@@ -29,8 +29,6 @@ const SILENCE_US: i64 = 10_000_000;
 const BEGINNING: usize = 20_000;
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(50);
-/// How long a simulated car waits for its controller.
-const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A log that is played.
 pub(super) struct Log {
@@ -135,16 +133,8 @@ impl Race {
     pub(super) fn new(mut options: RaceOptions, args: &ViewArgs) -> Result<Self> {
         options.seed = args.seed;
         options.config.warm_up.seed = args.seed;
-        let setup = comparable(&args.controller, &options.config, &options.track)?;
-        let setup = lcm_types::Setup {
-            track_id: setup.track_id,
-            car_id: setup.car_id,
-            config_id: setup.config_id,
-            period_ns: setup.period_ns,
-            track: options.track.name().to_owned(),
-            car: options.plant.car.name.clone(),
-            ..Default::default()
-        };
+        let car = &options.plant.car.name;
+        let setup = setup_message(&args.controller, &options.config, &options.track, car)?;
         Ok(Self { options, setup, speed: args.speed })
     }
 

@@ -1,4 +1,4 @@
-//! A snapshot of the whole network as lines at a terminal. What is heard is kept by `network_watch`.
+//! A snapshot of the whole network as lines at a terminal. `network_watch` keeps what arrives.
 
 #[cfg(test)]
 mod tests;

@@ -4,10 +4,12 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use controller::config::{SolverConfig, SolverMethod};
 use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution};
 use controller::{Config, SolveStatus};
 use serde::Serialize;
+
+use super::qp::clarabel;
+use super::samples::quantiles;
 
 /// Solves of each problem; the least time counts.
 const REPEATS: usize = 5;
@@ -52,12 +54,7 @@ pub struct Compared {
 #[must_use]
 pub fn compare(problems: &[(String, Fhocp)]) -> Vec<Compared> {
     let config = Config::default().solver;
-    let clarabel = |tolerance| SolverConfig {
-        method: SolverMethod::Clarabel,
-        tolerance,
-        max_iterations: 200,
-        ..config.clone()
-    };
+    let clarabel = |tolerance| clarabel(&config, tolerance, 200);
     let mut structured = RiccatiSolver::new(config.clone());
     let mut tuned = ClarabelSolver::new(clarabel(config.tolerance));
     let mut exact = ClarabelSolver::reference(clarabel(EXACT));
@@ -147,12 +144,6 @@ fn write_rows(rows: &[Compared], out: &mut String) -> std::fmt::Result {
             row.u_0_difference
         )?;
     }
-    let quantile = |value: Column, share: f64| {
-        let mut values: Vec<f64> = rows.iter().map(value).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        let last = values.len().saturating_sub(1);
-        values.get((last as f64 * share) as usize).copied().unwrap_or(f64::NAN)
-    };
     let lines: [(&str, Column); 5] = [
         ("time [us]", |row| row.time_us),
         ("Clarabel [us]", |row| row.clarabel_time_us),
@@ -162,7 +153,8 @@ fn write_rows(rows: &[Compared], out: &mut String) -> std::fmt::Result {
     ];
     writeln!(out, "{:<28}{:>12}{:>12}{:>12}", "all", "median", "99 %", "greatest")?;
     for (name, value) in lines {
-        let [median, tail, most] = [0.5, 0.99, 1.0].map(|share| quantile(value, share));
+        let mut values: Vec<f64> = rows.iter().map(value).collect();
+        let [median, tail, most] = quantiles(&mut values, [50, 99, 100]);
         let text = |v: f64| if v < 0.1 { format!("{v:.1e}") } else { format!("{v:.1}") };
         writeln!(out, "{name:<28}{:>12}{:>12}{:>12}", text(median), text(tail), text(most))?;
     }

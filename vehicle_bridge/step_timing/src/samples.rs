@@ -18,12 +18,16 @@ impl Times {
     /// Quantiles of `times`, which are sorted on the way; NaN of none.
     #[must_use]
     pub fn of(times: &mut [f64]) -> Self {
-        times.sort_unstable_by(f64::total_cmp);
-        let at = |percent: usize| {
-            times.get(times.len().saturating_sub(1) * percent / 100).copied().unwrap_or(f64::NAN)
-        };
-        Self { min_us: at(0), median_us: at(50), p99_us: at(99) }
+        let [min_us, median_us, p99_us] = quantiles(times, [0, 50, 99]);
+        Self { min_us, median_us, p99_us }
     }
+}
+
+/// The values below which these percentages of `values` lie, which are sorted on the way; NaN of none.
+pub(super) fn quantiles<const N: usize>(values: &mut [f64], percents: [usize; N]) -> [f64; N] {
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    percents.map(|percent| values.get(last * percent / 100).copied().unwrap_or(f64::NAN))
 }
 
 /// Involuntary context switches of this thread so far; 0 where the system does not count them.

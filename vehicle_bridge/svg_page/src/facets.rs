@@ -70,7 +70,7 @@ pub struct Facets {
     pub x_kind: Kind,
     /// Division of the axis upwards.
     pub y_kind: Kind,
-    /// Marked places of the axis to the right; round numbers if there are none.
+    /// Marked places of the axis to the right; empty for round numbers.
     pub x_ticks: Vec<(f64, String)>,
     /// Ends of the axis upwards; by default around the points.
     pub y_range: Option<(f64, f64)>,

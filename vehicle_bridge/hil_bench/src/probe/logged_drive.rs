@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use lcm_types::eventlog::Reader;
-use lcm_types::{ActuationCommand, Checked as _, VehicleState, channels};
+use lcm_types::{ActuationCommand, BootId, Checked as _, SeqNumber, VehicleState, channels};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
@@ -45,10 +45,8 @@ pub fn run(dir: &Path, url: &str) -> Result<Measured> {
             && let Ok(command) = ActuationCommand::open(&event.data)
             && command.mode == ActuationCommand::MODE_DRIVE
         {
-            let known = states.iter().any(|(start, number)| {
-                (start.get(), number.get()) == (command.state_boot_id, command.state_seq)
-            });
-            early += u64::from(!known);
+            let answered = (BootId::new(command.state_boot_id), SeqNumber::new(command.state_seq));
+            early += u64::from(!states.contains(&answered));
         }
     }
     let (identical, code) = replay(&log)?;

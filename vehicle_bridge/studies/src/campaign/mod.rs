@@ -25,4 +25,4 @@ pub use record::Measure;
 pub use rows::{Columns, Row, Rows, Shard, Sheet};
 pub use slurm::script;
 pub use summary::by_axis;
-pub(crate) use summary::{ranges, ranges_of, short};
+pub(crate) use summary::{distinct, ranges, ranges_of, short};

@@ -19,7 +19,7 @@ pub fn by_axis(axes: &[String], columns: &Columns, rows: &[Row]) -> String {
     let head = ["axis", "value", "runs", "failed", "beyond limits", "best lap [s]", "slowest [s]"];
     table.set_header(head);
     for axis in axes {
-        let values = distinct(columns, rows, axis);
+        let values = distinct(rows.iter().map(|row| row.get(columns, axis)));
         let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
         match numbers.filter(|numbers| numbers.len() > MOST_VALUES) {
             Some(numbers) => {
@@ -47,10 +47,10 @@ pub fn by_axis(axes: &[String], columns: &Columns, rows: &[Row]) -> String {
     table.to_string()
 }
 
-/// The values of an axis in the order of their runs.
-fn distinct<'a>(columns: &Columns, rows: &'a [Row], axis: &str) -> Vec<&'a str> {
+/// The different texts in the order of their first appearance.
+pub(crate) fn distinct<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut seen = std::collections::BTreeSet::new();
-    rows.iter().map(|row| row.get(columns, axis)).filter(|value| seen.insert(*value)).collect()
+    texts.filter(|text| seen.insert(*text)).collect()
 }
 
 /// Ranges with as many values each.

@@ -7,7 +7,7 @@ use svg_page::scale::Kind;
 
 use super::groups::{Groups, MOST};
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME, Sample, is_share, samples};
-use super::table::Table;
+use super::table::{Table, places};
 use super::words::{bare, label, wilson};
 use crate::campaign::{ranges_of, short};
 
@@ -64,18 +64,11 @@ struct Places {
 
 impl Places {
     fn new(samples: &[Sample]) -> Self {
-        let mut texts: Vec<&str> = Vec::new();
-        let mut seen = std::collections::BTreeSet::new();
-        texts.extend(samples.iter().map(|s| s.x.as_ref()).filter(|x| seen.insert(*x)));
-        let number = |text: &&str| text.parse::<f64>().unwrap_or(f64::NAN);
-        let words = !texts.iter().all(|text| number(text).is_finite());
-        if !words {
-            texts.sort_by(|a, b| number(a).total_cmp(&number(b)));
-        }
-        let at = |(i, text): (usize, &&str)| if words { i as f64 } else { number(text) };
+        let (texts, numbers) = places(samples.iter().map(|s| s.x.as_ref()));
+        let words = numbers.is_none();
         Self {
-            ats: texts.iter().enumerate().map(at).collect(),
-            texts: texts.iter().map(|text| (*text).to_owned()).collect(),
+            ats: numbers.unwrap_or_else(|| (0..texts.len()).map(|i| i as f64).collect()),
+            texts: texts.into_iter().map(str::to_owned).collect(),
             words,
         }
     }

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::table::Table;
+use super::table::{Table, number};
 
 /// The axis of the learned laps, which is no column.
 pub(super) const LAP: &str = "lap";
@@ -87,10 +87,6 @@ fn over_laps<'a>(table: &'a Table, y: &str) -> Result<Vec<Sample<'a>>> {
         }
     }
     Ok(all)
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 #[cfg(test)]

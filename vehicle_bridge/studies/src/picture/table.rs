@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::campaign::Sheet;
+use crate::campaign::{Sheet, distinct};
 
 /// Columns between the axes and what was measured.
 const SEED: &str = "seed";
@@ -112,17 +112,7 @@ impl Table {
     /// # Errors
     /// If there is no such column.
     pub fn values(&self, name: &str) -> Result<Vec<&str>> {
-        let mut values: Vec<&str> = Vec::new();
-        for text in self.column(name)? {
-            if !values.contains(&text) {
-                values.push(text);
-            }
-        }
-        let number = |text: &&str| text.parse::<f64>().unwrap_or(f64::NAN);
-        if values.iter().all(|text| number(text).is_finite()) {
-            values.sort_by(|a, b| number(a).total_cmp(&number(b)));
-        }
-        Ok(values)
+        Ok(places(self.column(name)?.into_iter()).0)
     }
 
     /// The axes along which the runs differ.
@@ -131,6 +121,23 @@ impl Table {
         let several = |axis: &&str| self.values(axis).is_ok_and(|values| values.len() > 1);
         self.axes.iter().map(String::as_str).filter(several).collect()
     }
+}
+
+/// The different texts, and their numbers if all are: numbers by size, words in the order of their first
+/// appearance.
+pub(super) fn places<'a>(texts: impl Iterator<Item = &'a str>) -> (Vec<&'a str>, Option<Vec<f64>>) {
+    let texts = distinct(texts);
+    let numbers: Option<Vec<f64>> = texts.iter().map(|text| number(text)).collect();
+    let Some(numbers) = numbers else { return (texts, None) };
+    let mut both: Vec<(&str, f64)> = texts.into_iter().zip(numbers).collect();
+    both.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (texts, numbers) = both.into_iter().unzip();
+    (texts, Some(numbers))
+}
+
+/// A field as a finite number.
+pub(super) fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use super::figure::Figure;
 use super::groups::MOST;
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME};
-use super::table::Table;
+use super::table::{Table, number};
 use crate::definition::{Cell, Definition, StudyName};
 
 /// A set of figures.
@@ -79,10 +79,9 @@ fn any<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
 /// The first of the columns in which a run that did not fail has a number.
 fn measured<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
     let failed = table.failed();
-    let number = |text: &str| text.parse::<f64>().is_ok_and(f64::is_finite);
     let any = |name: &&&str| {
         let column = table.column(name).unwrap_or_default();
-        column.iter().zip(&failed).any(|(text, failed)| !failed && number(text))
+        column.iter().zip(&failed).any(|(text, failed)| !failed && number(text).is_some())
     };
     names.iter().find(any).copied()
 }
