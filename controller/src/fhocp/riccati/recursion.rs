@@ -28,7 +28,7 @@
 //! In N_t, `D - D H^-1 D` is formed as `G H^-1 D`: an active rate limit makes D large, and the
 //! difference would lose the digits of G.
 
-use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
+use nalgebra::{ArrayStorage, Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
 
 use super::super::Fhocp;
 use super::product::{product, transpose};
@@ -43,6 +43,8 @@ pub(super) struct Model {
     b: Matrix6x2<f64>,
     a_transposed: Matrix6<f64>,
     b_transposed: Matrix2x6<f64>,
+    /// Whether velocities do not depend on the pose, and nothing but s itself on s.
+    flat: bool,
 }
 
 impl Model {
@@ -52,6 +54,9 @@ impl Model {
         self.b = model.b * (1.0 - lag);
         self.a_transposed = transpose(&model.a);
         self.b_transposed = transpose(&self.b);
+        let [.., by_e_psi, by_s, by_e_y] = &model.a.data.0;
+        let apart = [by_e_psi, by_s, by_e_y].iter().all(|column| column[..3] == [0.0; 3]);
+        self.flat = apart && by_s[3..] == [0.0, 1.0, 0.0];
     }
 
     /// A x + B u.
@@ -145,10 +150,12 @@ pub(super) fn factor(
         if t == 0 {
             break;
         }
-        let pa = product(&p, &model.a);
-        p = product(&model.a_transposed, &pa) - product(&state, &transpose(&f));
+        p = if model.flat {
+            carried_back::<true>(model, &p, &state, &f)
+        } else {
+            carried_back::<false>(model, &p, &state, &f)
+        };
         add_square(&mut p, &front.velocity, front_on[t]);
-        symmetrise(&mut p);
         m = scale_columns(&state, rate);
         n = kept;
         if let Some((a_pe, k, e_pe)) = &carried {
@@ -159,6 +166,71 @@ pub(super) fn factor(
         }
         symmetrise(&mut n);
     }
+}
+
+/// A'P A - F H^-1 F', symmetric. `FLAT` skips the zeros of A: with V, L and Q for how velocities and pose
+/// depend on velocities and pose, A is `[V 0; L Q]` with a middle column of Q that is one of the identity.
+#[inline(always)]
+fn carried_back<const FLAT: bool>(
+    model: &Model,
+    p: &Matrix6<f64>,
+    state: &Matrix6x2<f64>,
+    f: &Matrix6x2<f64>,
+) -> Matrix6<f64> {
+    let (a, a_transposed) = (&model.a.data.0, &model.a_transposed.data.0);
+    let (p, state, f) = (&p.data.0, &state.data.0, &f.data.0);
+    let mut out = [[0.0; 6]; 6];
+    for column in 0..6 {
+        let below = combined::<6, 3>(&p[3..], &a[column][3..]);
+        let pa = match column {
+            4 if FLAT => p[4],
+            3.. if FLAT => below,
+            _ => plus(&below, &combined::<6, 3>(&p[..3], &a[column][..3])),
+        };
+        let below = combined::<6, 3>(&a_transposed[3..], &pa[3..]);
+        // The upper rows of the last columns follow from symmetry; A' of the velocities has zeros below.
+        let sum = match column {
+            3.. if FLAT => below,
+            _ if FLAT => plus(&below, &combined::<4, 3>(&a_transposed[..3], &pa[..3])),
+            _ => plus(&below, &combined::<6, 3>(&a_transposed[..3], &pa[..3])),
+        };
+        let feedback = combined::<6, 2>(state, &[f[0][column], f[1][column]]);
+        for row in 0..6 {
+            out[column][row] = sum[row] - feedback[row];
+        }
+    }
+    for column in 0..6 {
+        for row in 0..column {
+            let below = out[row][column];
+            let mirrored = FLAT && column >= 3 && row < 3;
+            let mean = if mirrored { below } else { 0.5 * (below + out[column][row]) };
+            out[row][column] = mean;
+            out[column][row] = mean;
+        }
+    }
+    Matrix6::from_array_storage(ArrayStorage(out))
+}
+
+/// Sum of the first `R` rows of columns, each times a number.
+#[inline(always)]
+fn combined<const R: usize, const K: usize>(columns: &[[f64; 6]], by: &[f64]) -> [f64; R] {
+    let mut sum = [0.0; R];
+    for k in 0..K {
+        for row in 0..R {
+            sum[row] += columns[k][row] * by[k];
+        }
+    }
+    sum
+}
+
+/// Sum of six numbers and some that stand beside the first of them.
+#[inline(always)]
+fn plus<const R: usize>(a: &[f64; 6], b: &[f64; R]) -> [f64; 6] {
+    let mut sum = *a;
+    for row in 0..R {
+        sum[row] += b[row];
+    }
+    sum
 }
 
 /// Offsets of the feedback, backward from the terminal gradient.
