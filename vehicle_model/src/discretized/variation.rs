@@ -122,8 +122,8 @@ impl<T: Real> Rates<T, ALL> for System<'_, T> {
         for column in 0..N {
             let v = [y[V + column], y[V + N + column], y[V + 2 * N + column]];
             let (e_psi, e_y) = (y[P + column], y[P + 2 * N + column]);
-            for row in 0..3 {
-                let by_v = v_dot[row].gradient;
+            for (row, rate) in v_dot.iter().enumerate() {
+                let by_v = rate.gradient;
                 let product = by_v[0] * v[0] + by_v[1] * v[1] + by_v[2] * v[2];
                 let own = if column < 3 { product } else { product + by_v[column] };
                 stage.take(V + row * N + column, own);

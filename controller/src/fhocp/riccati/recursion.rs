@@ -199,16 +199,17 @@ fn carried_back<const FLAT: bool>(
             out[column][row] = sum[row] - feedback[row];
         }
     }
+    let mut p = Matrix6::from_array_storage(ArrayStorage(out));
     for column in 0..6 {
         for row in 0..column {
-            let below = out[row][column];
+            let below = p[(column, row)];
             let mirrored = FLAT && column >= 3 && row < 3;
-            let mean = if mirrored { below } else { 0.5 * (below + out[column][row]) };
-            out[row][column] = mean;
-            out[column][row] = mean;
+            let mean = if mirrored { below } else { 0.5 * (below + p[(row, column)]) };
+            p[(row, column)] = mean;
+            p[(column, row)] = mean;
         }
     }
-    Matrix6::from_array_storage(ArrayStorage(out))
+    p
 }
 
 /// Sum of the first `R` rows of columns, each times a number.
