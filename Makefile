@@ -1,6 +1,6 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast generated book doc fmu fmu-test fmu-bits fmu-old release deb deb-test wheel lint bench clean
+.PHONY: race test test-fast generated tree-size book doc fmu fmu-test fmu-bits fmu-old release deb deb-test wheel lint bench clean
 
 race:
 	tools/setup.sh race
@@ -34,9 +34,13 @@ test-fast:
 
 # The generated pages of docs/ and the golden files of tests, written anew.
 generated:
-	LMPC_WRITE_DOCS=1 cargo test --release -p controller -p lcm_types -p fmu_core -p vehicle_bridge \
-		--test configuration_page --test messages_page --test variables_page \
+	LMPC_WRITE_DOCS=1 cargo test --release -p vehicle_model -p controller -p lcm_types -p fmu_core \
+		-p vehicle_bridge --test car_page --test configuration_page --test messages_page --test variables_page \
 		--test commands_page --test golden
+
+# docs/tree_size.md: lines, files, dependencies and names before the division into small crates and today.
+tree-size:
+	python3 tools/tree_size.py 96e3a73 --out docs/tree_size.md
 
 # The book of docs/ as HTML, in out/book. Needs `cargo install mdbook --locked`.
 book:

@@ -271,6 +271,21 @@ impl Controller {
         self.memory.estimate.covariance()
     }
 
+    /// Standard deviations of the state that the last step used, in state order \[m/s, m/s, rad/s, rad, m,
+    /// m\]: the roots of the diagonal of [`Controller::covariance`].
+    #[must_use]
+    pub fn state_sigma(&self) -> Option<[f64; 6]> {
+        self.covariance().map(|p| std::array::from_fn(|i| p[(i, i)].max(0.0).sqrt()))
+    }
+
+    /// Standard deviations of the measurement's noise, as configured or estimated while driving, in state
+    /// order \[m/s, m/s, rad/s, rad, m, m\]; 0 for velocities that are not measured, none where the
+    /// measurement passed as it was.
+    #[must_use]
+    pub fn noise_sigma(&self) -> Option<[f64; 6]> {
+        self.setup.filter.as_ref()?.noise_sigma(&self.memory.estimate)
+    }
+
     /// The learned model around a point, in its parts.
     #[must_use]
     pub fn learned_model(&self, x: &State, u: &Input) -> LearnedModel {

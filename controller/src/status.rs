@@ -44,6 +44,14 @@ pub enum Action {
     Recovering,
 }
 
+impl Action {
+    /// Number of the action in FMU outputs and messages: its place in the list above, from 0.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+}
+
 /// Why the step did what it did, if not the normal course.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Reason {
@@ -74,6 +82,14 @@ pub enum Reason {
     Askew,
 }
 
+impl Reason {
+    /// Number of the reason in FMU outputs and messages: its place in the list above, from 0.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+}
+
 /// How the solver ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum SolveStatus {
@@ -93,6 +109,12 @@ pub enum SolveStatus {
 }
 
 impl SolveStatus {
+    /// Number of the status in FMU outputs: its place in the list above, from 0.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
     /// Whether the solution may be applied.
     #[must_use]
     pub fn usable(self) -> bool {

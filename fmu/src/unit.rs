@@ -57,3 +57,15 @@ pub const M2: Unit = unit("m2", [0, 2, 0, 0], 1e3);
 pub const KG_PER_M3: Unit = unit("kg/m3", [1, -3, 0, 0], 1e3);
 /// Watt.
 pub const W: Unit = unit("W", [1, 2, -3, 0], 1e9);
+
+/// The unit that papers and tables write as `kg m^2` or `m/s^2`; dimensionless for `-` and what is
+/// not known.
+#[must_use]
+pub fn of_symbol(symbol: &str) -> Unit {
+    const ALL: [Unit; 16] = [
+        M, M_PER_S, M_PER_S2, M_PER_S3, S, PER_S, RAD, RAD_PER_S, RAD_PER_M, KG, KG_M2, N, M2,
+        KG_PER_M3, W, MS,
+    ];
+    let name = symbol.replace('^', "").replace(' ', ".");
+    ALL.into_iter().find(|unit| unit.name == name).unwrap_or(ONE)
+}

@@ -60,7 +60,7 @@ const FINGERPRINTS: [(&str, u64); 14] = [
     ("lmpc.heartbeat_t", 0x5289_775c_07e9_2b9a),
     ("lmpc.hello_t", 0xf8fc_fcfe_8285_1bcc),
     ("lmpc.lap_result_t", 0x2454_ff89_ec6b_8c97),
-    ("lmpc.mpc_telemetry_t", 0x65e9_b1e8_f086_7196),
+    ("lmpc.mpc_telemetry_t", 0x121f_9ef0_2acd_c0ec),
     ("lmpc.operator_ack_t", 0x96b7_0b00_79c6_2ca5),
     ("lmpc.operator_command_t", 0x9222_fccc_670d_1e58),
     ("lmpc.pred_point_t", 0x970a_595c_8d0d_2ce2),

@@ -21,7 +21,7 @@ fn run(file: &Path, name: &str, more: &[&str]) -> (Output, PathBuf) {
 
 #[test]
 fn the_shipped_benches_have_no_problems() {
-    for name in ["doubt.toml", "faults.toml", "host.toml", "quick.toml"] {
+    for name in ["doubt.toml", "faults.toml", "host.toml", "quick.toml", "unforeseen.toml"] {
         assert_eq!(check_file(&bench(name)).problems, vec![], "{name}");
     }
 }

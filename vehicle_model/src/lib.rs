@@ -34,7 +34,10 @@ pub use model::{
     SpatialExpansion,
 };
 pub use outline::Outline;
-pub use params::{CarParams, GRAVITY, ParamProblem, Secant, Tyre};
+pub use params::{
+    CAR_KEYS, CarDefault, CarGroup, CarKey, CarParams, CarRange, GRAVITY, ParamProblem, Secant,
+    Tyre,
+};
 pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorNoise};
 pub use road::{Road, RoadPoint, Surface};
 pub use slip::SlipAngles;

@@ -14,10 +14,13 @@ use serde::{Deserialize, Serialize};
 use crate::fingerprint::Fnv1a;
 
 pub use check::ParamProblem;
+pub use keys::{CAR_KEYS, CarDefault, CarGroup, CarKey, CarRange};
 
 /// Standard gravity, as the reference numbers use it [m/s^2].
 pub const GRAVITY: f64 = 9.81;
 
+/// Key that joined the fingerprint later than all others.
+const TOP_SPEED: &str = "speed_max_mps";
 /// Share of the peak slip from which on derivatives may be secants.
 const SECANT_FROM: f64 = 0.4;
 /// Share of the peak slip from which on secants have their full length.
@@ -206,13 +209,15 @@ impl CarParams {
         self
     }
 
-    /// Hash of every number (not of the name): FNV-1a over the bits of the fields in their order,
+    /// Hash of every number (not of the name): FNV-1a over the bits of the rows of
+    /// [`CAR_KEYS`] in their order,
     /// the same on every machine. Two cars with equal fingerprints have equal equations.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Fnv1a::new();
-        for value in self.numbers() {
-            hash.write(value.to_bits());
+        for key in CAR_KEYS.iter().filter(|key| key.key != TOP_SPEED) {
+            // An absent limit counts as infinite.
+            hash.write((key.get)(self).unwrap_or(f64::INFINITY).to_bits());
         }
         // Absent it adds nothing: cars without it keep the fingerprint they had.
         if let Some(speed) = self.speed_max {
@@ -222,47 +227,5 @@ impl CarParams {
             hash.write(u64::from(switch));
         }
         hash.finish()
-    }
-
-    /// Every number of the car in a fixed order; an absent limit counts as infinite.
-    fn numbers(&self) -> [f64; 34] {
-        let limit = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
-        let (front, rear) = (&self.tyre_front, &self.tyre_rear);
-        [
-            self.mass,
-            self.inertia_z,
-            self.l_f,
-            self.l_r,
-            front.b,
-            front.c,
-            front.mu,
-            rear.b,
-            rear.c,
-            rear.mu,
-            self.h_cg,
-            self.cd,
-            self.cl_front,
-            self.cl_rear,
-            self.area,
-            self.rho,
-            self.rolling,
-            self.linear_drag,
-            self.drive_front,
-            self.brake_front,
-            limit(self.power_max),
-            limit(self.drive_force_max),
-            limit(self.brake_force_max),
-            self.length,
-            self.width,
-            self.a_min,
-            self.a_max,
-            self.delta_max,
-            limit(self.delta_rate_max),
-            limit(self.a_rate_max),
-            self.actuator_lag,
-            self.actuator_delay,
-            self.blend_speed_low,
-            self.blend_speed_high,
-        ]
     }
 }

@@ -124,6 +124,19 @@ impl Plant {
         self.state.actuators = Actuators::at(position);
     }
 
+    /// Changes what acts on the car beside its inputs, from now on: its state stays.
+    ///
+    /// # Errors
+    /// [`ModelError::PlantInvalid`] if a value is out of range; nothing is changed then.
+    pub fn set_disturbance(&mut self, disturbance: Disturbance) -> Result<(), ModelError> {
+        let problems = disturbance.validate();
+        if !problems.is_empty() {
+            return Err(ModelError::PlantInvalid(problems));
+        }
+        self.params.disturbance = disturbance;
+        Ok(())
+    }
+
     /// Drives with a command for `dt` seconds; a `dt` that is not above 0 changes nothing.
     ///
     /// The command enters the actuators now and acts after their delay; what is not finite in it

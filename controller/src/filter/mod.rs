@@ -87,6 +87,15 @@ impl Filter {
         estimate.noise.variances(self)
     }
 
+    /// Standard deviations of the measurement's noise; 0 for what is not measured, none while
+    /// measurements pass as they are.
+    pub(crate) fn noise_sigma(&self, estimate: &Estimate) -> Option<[f64; 6]> {
+        estimate.p?;
+        let Variances { noise, .. } = self.variances(estimate)?;
+        let first = self.first();
+        Some(std::array::from_fn(|i| if i < first { 0.0 } else { noise[i].sqrt() }))
+    }
+
     /// Variances of the velocities as measured: none for exact ones.
     pub(crate) fn velocity_noise(&self, estimate: &Estimate) -> [f64; 3] {
         let Some(Variances { noise, .. }) = self.variances(estimate) else { return [0.0; 3] };

@@ -1,7 +1,7 @@
 //! Outputs of a control step.
 
 use controller::fhocp::Backend;
-use controller::{Action, Command, Reason, SolveStatus};
+use controller::{Action, Command};
 use vehicle_model::State;
 
 use super::slots::PLAN;
@@ -15,48 +15,6 @@ fn write<const N: usize>(values: &mut Values, slots: &[Real; N], numbers: [f64; 
 
 fn flag(on: bool) -> f64 {
     f64::from(u8::from(on))
-}
-
-/// Codes of the description of `status.action`.
-fn action(action: Action) -> f64 {
-    match action {
-        Action::WarmUp => 0.0,
-        Action::Learned => 1.0,
-        Action::ShiftedPlan => 2.0,
-        Action::Tracking => 3.0,
-        Action::Braking => 4.0,
-        Action::Recovering => 5.0,
-    }
-}
-
-/// Codes of the description of `status.reason`.
-fn reason(reason: Reason) -> f64 {
-    match reason {
-        Reason::None => 0.0,
-        Reason::SolverFailed => 1.0,
-        Reason::NonFinite => 2.0,
-        Reason::TimeNotAdvancing => 3.0,
-        Reason::TimeGap => 4.0,
-        Reason::Jump => 5.0,
-        Reason::OffTrack => 6.0,
-        Reason::WrongWay => 7.0,
-        Reason::Standstill => 8.0,
-        Reason::NoSafeSet => 9.0,
-        Reason::Spin => 10.0,
-        Reason::Askew => 11.0,
-    }
-}
-
-/// Codes of the description of `status.solve`.
-fn solve(solve: SolveStatus) -> f64 {
-    match solve {
-        SolveStatus::NotRun => 0.0,
-        SolveStatus::Solved => 1.0,
-        SolveStatus::AlmostSolved => 2.0,
-        SolveStatus::MaxIterations => 3.0,
-        SolveStatus::Infeasible => 4.0,
-        SolveStatus::Numerical => 5.0,
-    }
 }
 
 /// Codes of the description of `status.solver`.
@@ -73,15 +31,16 @@ impl ControllerFmu {
     pub(super) fn publish_start(&self, values: &mut Values) {
         let [front, rear] = self.controller.grip();
         write(values, &slots().learned, [0.0, 0.0, front, rear]);
+        self.publish_estimates(values, &Command::default());
     }
 
     pub(super) fn publish(&self, values: &mut Values, command: &Command, duration: f64) {
         let (slots, status, laps) = (slots(), &command.status, &self.laps);
         write(values, &slots.command, [command.input.a, command.input.delta]);
         let numbers = [
-            action(status.action),
-            reason(status.reason),
-            solve(status.solve),
+            status.action.code().into(),
+            status.reason.code().into(),
+            status.solve.code().into(),
             f64::from(status.iterations),
             1e3 * duration,
             flag(status.clipped),
@@ -112,6 +71,21 @@ impl ControllerFmu {
         let support = [status.data_support_min, status.data_support_mean];
         write(values, &slots.learned, [support[0], support[1], front, rear]);
         self.publish_plan(values);
+        self.publish_estimates(values, command);
+    }
+
+    /// What the controller has found out about road, actuators and sensors.
+    fn publish_estimates(&self, values: &mut Values, command: &Command) {
+        let (slots, controller, status) = (slots(), &self.controller, &command.status);
+        values.set_real(slots.road_grip, controller.road_grip());
+        let response = controller.response();
+        let found = flag(controller.response_found());
+        let numbers = [response.delay, response.lag, found, status.delay_change];
+        write(values, &slots.response, numbers);
+        values.set_real(slots.recovering, flag(status.action == Action::Recovering));
+        values.set_real(slots.filtered, flag(controller.covariance().is_some()));
+        write(values, &slots.state_sigma, controller.state_sigma().unwrap_or_default());
+        write(values, &slots.noise_sigma, controller.noise_sigma().unwrap_or_default());
     }
 
     fn publish_plan(&self, values: &mut Values) {
@@ -123,5 +97,85 @@ impl ControllerFmu {
                 values.set_real(slots[k], number);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use std::sync::Arc;
+
+    use controller::{Config, Controller, Measurement, Pose, Preset};
+    use vehicle_model::{CarParams, Plant, PlantParams, SensorNoise, Track};
+
+    use super::*;
+    use crate::log::Log;
+    use crate::model::{Io, Model, Step};
+
+    fn place(name: &str) -> usize {
+        let variables = ControllerFmu::description().table.variables();
+        variables.iter().position(|v| v.name == name).unwrap()
+    }
+
+    #[test]
+    fn what_the_controller_has_found_out_is_in_the_outputs() {
+        let track = Arc::new(Track::builtin("l").unwrap());
+        let car = CarParams::builtin("barc").unwrap();
+        let config = Config::derived(Preset::Race, &car, &track);
+        let period = config.horizon.period;
+        let start = State { v_x: config.warm_up.speed, ..State::default() };
+        let mut native = Controller::new(config, car.clone(), Arc::clone(&track)).unwrap();
+        // The true car answers more slowly than its file says, and its pose has 5 mm of noise.
+        let mut params = PlantParams::new(CarParams { actuator_lag: 0.1, ..car });
+        let (v_x, v_y, omega_z) = (0.05, 0.05, 0.05);
+        params.noise = SensorNoise { v_x, v_y, omega_z, e_psi: 0.005, s: 0.005, e_y: 0.005 };
+        let mut plant = Plant::new(params, track, start).unwrap();
+
+        let mut values = Values::start(&ControllerFmu::description().table);
+        let mut log = Log::default();
+        let mut io = Io { values: &mut values, resources: None, log: &mut log };
+        let mut fmu = ControllerFmu::start(&mut io).unwrap();
+        assert_eq!(io.values.numbers[place("grip.road")], 1.0);
+        let (mut filtered, mut found) = (0, 0);
+        for k in 0..1100 {
+            let x = plant.measure();
+            let numbers = [x.v_x, x.v_y, x.omega_z, x.e_psi, x.s, x.e_y];
+            write(io.values, &slots().vehicle[..6].try_into().unwrap(), numbers);
+            let time = f64::from(k) * period;
+            fmu.step(&mut io, &Step { origin: 0.0, begin: time, size: period }).unwrap();
+            let measurement = Measurement { time, pose: Pose::Frenet(x), applied: None };
+            let command = native.step(&measurement);
+            let (status, response) = (command.status, native.response());
+            let (state, noise) = (native.state_sigma(), native.noise_sigma());
+            for (name, expected) in [
+                ("cmd.delta", command.input.delta),
+                ("grip.road", status.road_grip),
+                ("response.delay", response.delay),
+                ("response.lag", response.lag),
+                ("response.found", flag(native.response_found())),
+                ("response.delay_change", status.delay_change),
+                ("status.recovering", flag(status.action == Action::Recovering)),
+                ("filter.active", flag(native.covariance().is_some())),
+                ("filter.state.e_y", state.map_or(0.0, |sigma| sigma[5])),
+                ("filter.noise.v_x", noise.map_or(0.0, |sigma| sigma[0])),
+            ] {
+                assert_eq!(io.values.numbers[place(name)], expected, "{name} in step {k}");
+            }
+            if let (Some(state), Some(noise)) = (state, noise) {
+                filtered += 1;
+                assert!(state[5] <= noise[5], "an estimate is worse than its sensor: step {k}");
+            }
+            found += u32::from(native.response_found());
+            native.prepare();
+            plant.apply(command.input, period);
+        }
+        assert!(filtered > 500 && found > 100, "filtered {filtered}, found {found}");
+        let found = native.response();
+        assert!((found.delay + found.lag - 0.1).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn value_references_of_earlier_outputs_are_where_they_were() {
+        assert_eq!(place("plan.e_y[20]") + 1, place("grip.road"));
     }
 }

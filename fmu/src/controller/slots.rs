@@ -43,6 +43,14 @@ pub(crate) struct Slots {
     pub(crate) learned: [Real; 4],
     /// v_x, e_psi, s, e_y along the plan.
     pub(crate) plan: [Vec<Real>; 4],
+    pub(crate) road_grip: Real,
+    /// Delay, lag, whether they were found, change of the delay.
+    pub(crate) response: [Real; 4],
+    pub(crate) recovering: Real,
+    pub(crate) filtered: Real,
+    /// Standard deviations of the estimated state and of the measurement's noise, in state order.
+    pub(crate) state_sigma: [Real; 6],
+    pub(crate) noise_sigma: [Real; 6],
 }
 
 const VEHICLE: [(&str, Unit, &str); 9] = [
@@ -60,7 +68,7 @@ const VEHICLE: [(&str, Unit, &str); 9] = [
 const NONE: f64 = f64::INFINITY;
 
 /// What bounds the outputs that have bounds whatever car and track are.
-const BOUNDS: [(&str, f64, f64); 16] = [
+const BOUNDS: [(&str, f64, f64); 22] = [
     ("status.action", 0.0, 5.0),
     ("status.reason", 0.0, 11.0),
     ("status.solve", 0.0, 5.0),
@@ -77,6 +85,12 @@ const BOUNDS: [(&str, f64, f64); 16] = [
     ("support.mean", 0.0, NONE),
     ("grip.front", 0.0, NONE),
     ("grip.rear", 0.0, NONE),
+    ("grip.road", 0.0, NONE),
+    ("response.delay", 0.0, NONE),
+    ("response.lag", 0.0, NONE),
+    ("response.found", 0.0, 1.0),
+    ("status.recovering", 0.0, 1.0),
+    ("filter.active", 0.0, 1.0),
 ];
 
 impl Slots {
@@ -210,6 +224,50 @@ impl Slots {
                     |k| held(&format!("plan.{name}[{k}]"), unit, "Planned state, k periods ahead");
                 (1..=PLAN).map(point).collect()
             });
+        // New outputs come last: value references are places in the table.
+        let road_grip = held(
+            "grip.road",
+            one,
+            "Share of the fitted grip that the road has now, below 1 after a fall; in grip.front and grip.rear already",
+        );
+        let response = [
+            held("response.delay", unit::S, "Pure delay from a command to its effect"),
+            held("response.lag", unit::S, "Time constant of the actuators"),
+            held(
+                "response.found",
+                one,
+                "1 if delay and lag were estimated in the initial laps, 0 as configured",
+            ),
+            held(
+                "response.delay_change",
+                unit::S,
+                "Commands act later than response.delay by this, in whole periods; below 0 sooner, 0 while none is clear",
+            ),
+        ];
+        let recovering = held(
+            "status.recovering",
+            one,
+            "1 on the way back to the line after an incident; status.reason names it",
+        );
+        let filtered = held(
+            "filter.active",
+            one,
+            "1 if the filter estimates the state, 0 while the measurement passes as it is",
+        );
+        let mut sigma = |group: &str, text: &str| {
+            std::array::from_fn(|i| {
+                let (name, unit, _) = VEHICLE[i];
+                held(&format!("filter.{group}.{name}"), unit, text)
+            })
+        };
+        let state_sigma = sigma(
+            "state",
+            "Standard deviation of the estimated state; 0 while the measurement passes as it is",
+        );
+        let noise_sigma = sigma(
+            "noise",
+            "Standard deviation of the measurement's noise, given or estimated; 0 while it passes as it is",
+        );
         t.bound(&BOUNDS);
         Self {
             vehicle,
@@ -232,6 +290,12 @@ impl Slots {
             slack,
             learned,
             plan,
+            road_grip,
+            response,
+            recovering,
+            filtered,
+            state_sigma,
+            noise_sigma,
         }
     }
 }

@@ -2,155 +2,58 @@
 //!
 //! A value left at its start value follows the chosen car; any other value overrides it.
 
-use vehicle_model::CarParams;
+use vehicle_model::{CAR_KEYS, CarDefault, CarKey, CarParams, CarRange};
 
 use crate::table::{Boolean, Real, Table};
-use crate::unit::{self, Unit};
+use crate::unit;
 use crate::values::Values;
 use crate::variable::{Role, Variable};
 
-type Get = fn(&CarParams) -> f64;
-type Set = fn(&mut CarParams, f64);
-
-/// How small and how large a number may be.
-#[derive(Clone, Copy)]
-enum Range {
-    NotNegative,
-    Share,
-    Any,
-}
-
-/// Name, unit, meaning, range and access of one number.
-type Row = (&'static str, Unit, &'static str, Range, Get, Set);
-
-/// A field of `CarParams` that is a plain number.
-macro_rules! number {
-    ($name:literal, $unit:expr, $text:literal, $range:ident, $($field:ident).+) => {
-        ($name, $unit, $text, Range::$range, |c| c.$($field).+, |c, x| c.$($field).+ = x)
-    };
-}
-
-/// A limit that may be absent, which the FMU writes as 0.
-macro_rules! limit {
-    ($name:literal, $unit:expr, $text:literal, $field:ident) => {
-        (
-            $name,
-            $unit,
-            $text,
-            Range::NotNegative,
-            |c| c.$field.unwrap_or_default(),
-            |c, x| c.$field = (x > 0.0).then_some(x),
-        )
-    };
-}
-
-const ROWS: &[Row] = &[
-    number!("mass", unit::KG, "Mass", NotNegative, mass),
-    number!("inertia_z", unit::KG_M2, "Yaw inertia", NotNegative, inertia_z),
-    number!("l_f", unit::M, "Centre of gravity to front axle", NotNegative, l_f),
-    number!("l_r", unit::M, "Centre of gravity to rear axle", NotNegative, l_r),
-    number!(
-        "h_cg",
-        unit::M,
-        "Height of the centre of gravity; 0: no load transfer",
-        NotNegative,
-        h_cg
-    ),
-    number!("length", unit::M, "Body length", NotNegative, length),
-    number!("width", unit::M, "Body width", NotNegative, width),
-    number!("tyre_front.b", unit::ONE, "Front tyre, stiffness factor B", NotNegative, tyre_front.b),
-    number!("tyre_front.c", unit::ONE, "Front tyre, shape factor C", NotNegative, tyre_front.c),
-    number!(
-        "tyre_front.mu",
-        unit::ONE,
-        "Front tyre, peak friction coefficient",
-        NotNegative,
-        tyre_front.mu
-    ),
-    number!("tyre_rear.b", unit::ONE, "Rear tyre, stiffness factor B", NotNegative, tyre_rear.b),
-    number!("tyre_rear.c", unit::ONE, "Rear tyre, shape factor C", NotNegative, tyre_rear.c),
-    number!(
-        "tyre_rear.mu",
-        unit::ONE,
-        "Rear tyre, peak friction coefficient",
-        NotNegative,
-        tyre_rear.mu
-    ),
-    number!("cd", unit::ONE, "Drag coefficient; 0: off", NotNegative, cd),
-    number!(
-        "cl_front",
-        unit::ONE,
-        "Downforce coefficient, front axle; 0: off",
-        NotNegative,
-        cl_front
-    ),
-    number!("cl_rear", unit::ONE, "Downforce coefficient, rear axle; 0: off", NotNegative, cl_rear),
-    number!("area", unit::M2, "Reference area of drag and downforce", NotNegative, area),
-    number!("rho", unit::KG_PER_M3, "Density of air", NotNegative, rho),
-    number!("rolling", unit::ONE, "Rolling resistance coefficient; 0: off", Share, rolling),
-    number!("linear_drag", unit::PER_S, "Deceleration per speed; 0: off", NotNegative, linear_drag),
-    number!(
-        "drive_front",
-        unit::ONE,
-        "Share of driving force on the front axle",
-        Share,
-        drive_front
-    ),
-    number!(
-        "brake_front",
-        unit::ONE,
-        "Share of braking force on the front axle",
-        Share,
-        brake_front
-    ),
-    limit!("power_max", unit::W, "Limit of driving power; 0: none", power_max),
-    limit!("drive_force_max", unit::N, "Limit of driving force; 0: none", drive_force_max),
-    limit!("brake_force_max", unit::N, "Limit of braking force; 0: none", brake_force_max),
-    number!("a_min", unit::M_PER_S2, "Strongest braking command, negative", Any, a_min),
-    number!("a_max", unit::M_PER_S2, "Strongest driving command", NotNegative, a_max),
-    number!("delta_max", unit::RAD, "Steering stop on each side", NotNegative, delta_max),
-    limit!(
-        "delta_rate_max",
-        unit::RAD_PER_S,
-        "Limit of the steering rate; 0: none",
-        delta_rate_max
-    ),
-    limit!("a_rate_max", unit::M_PER_S3, "Limit of the rate of acceleration; 0: none", a_rate_max),
-    number!(
-        "actuator_lag",
-        unit::S,
-        "First-order time constant of the actuators; 0: off",
-        NotNegative,
-        actuator_lag
-    ),
-    number!(
-        "actuator_delay",
-        unit::S,
-        "Transport delay of the inputs; 0: off",
-        NotNegative,
-        actuator_delay
-    ),
-    number!(
-        "blend_speed_low",
-        unit::M_PER_S,
-        "At and below: kinematic lateral dynamics",
-        NotNegative,
-        blend_speed_low
-    ),
-    number!(
-        "blend_speed_high",
-        unit::M_PER_S,
-        "At and above: tyre model only",
-        NotNegative,
-        blend_speed_high
-    ),
+/// Fields of [`CAR_KEYS`] in the order of their value references, which must not move: what is new
+/// goes to [`LATER`].
+#[rustfmt::skip]
+const ORDER: [&str; 34] = [
+    "mass", "inertia_z", "l_f", "l_r", "h_cg", "length", "width",
+    "tyre_front.b", "tyre_front.c", "tyre_front.mu", "tyre_rear.b", "tyre_rear.c", "tyre_rear.mu",
+    "cd", "cl_front", "cl_rear", "area", "rho", "rolling", "linear_drag", "drive_front", "brake_front",
+    "power_max", "drive_force_max", "brake_force_max", "a_min", "a_max", "delta_max",
+    "delta_rate_max", "a_rate_max", "actuator_lag", "actuator_delay", "blend_speed_low", "blend_speed_high",
 ];
+
+/// Fields that became variables later; they stand behind all others.
+const LATER: [&str; 1] = ["speed_max"];
+
+/// The FMU writes a limit that is absent as 0.
+fn value_of(key: &CarKey, car: &CarParams) -> f64 {
+    (key.get)(car).unwrap_or_default()
+}
+
+fn give(key: &CarKey, car: &mut CarParams, value: f64) {
+    let absent = key.default == CarDefault::NoLimit && value <= 0.0;
+    (key.set)(car, (!absent).then_some(value));
+}
+
+/// The row of a field as an FMU variable.
+fn variable(key: &CarKey, start: f64) -> Variable {
+    let mut letters = key.meaning.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    let absent = if key.default == CarDefault::NoLimit { "; 0: none" } else { "" };
+    let text = format!("{first}{}{absent}", letters.as_str());
+    let unit = unit::of_symbol(key.unit);
+    let variable = Variable::real(&format!("car.{}", key.field), Role::Fixed, unit, &text);
+    let variable = variable.start(start);
+    match key.range {
+        CarRange::Positive | CarRange::NotNegative | CarRange::Steering => variable.at_least(0.0),
+        CarRange::Share => variable.range(0.0, 1.0),
+        CarRange::Negative => variable,
+    }
+}
 
 /// Where the car's parameters are in the table.
 #[derive(Debug)]
 pub(crate) struct CarSlots {
     /// With their start values.
-    numbers: Vec<(Real, f64)>,
+    numbers: Vec<(&'static CarKey, Real, f64)>,
     front_force_yaw: (Boolean, bool),
     combined_slip: (Boolean, bool),
 }
@@ -158,18 +61,7 @@ pub(crate) struct CarSlots {
 impl CarSlots {
     /// Appends `car.*` with the numbers of `start`.
     pub(crate) fn new(table: &mut Table, start: Option<&CarParams>) -> Self {
-        let numbers = ROWS.iter().map(|(name, unit, text, range, get, _)| {
-            let name = format!("car.{name}");
-            let start = start.map_or(0.0, get);
-            let variable = Variable::real(&name, Role::Fixed, *unit, text).start(start);
-            let slot = table.add_real(match range {
-                Range::NotNegative => variable.at_least(0.0),
-                Range::Share => variable.range(0.0, 1.0),
-                Range::Any => variable,
-            });
-            (slot, start)
-        });
-        let numbers = numbers.collect();
+        let numbers = numbers(table, &ORDER, start);
         let mut switch = |name: &str, on: bool, text: &str| {
             let variable = Variable::boolean(name, Role::Fixed, text);
             (table.add_boolean(variable.start(f64::from(u8::from(on)))), on)
@@ -187,13 +79,18 @@ impl CarSlots {
         Self { numbers, front_force_yaw, combined_slip }
     }
 
+    /// Appends what became a variable later.
+    pub(crate) fn add_later(&mut self, table: &mut Table, start: Option<&CarParams>) {
+        self.numbers.extend(numbers(table, &LATER, start));
+    }
+
     /// The chosen car with every value that is not at its start value.
     pub(crate) fn read(&self, values: &Values, chosen: &CarParams) -> CarParams {
         let mut car = chosen.clone();
-        for ((slot, start), (.., set)) in self.numbers.iter().zip(ROWS) {
+        for (key, slot, start) in &self.numbers {
             let value = values.real(*slot);
             if value.to_bits() != start.to_bits() {
-                set(&mut car, value);
+                give(key, &mut car, value);
             }
         }
         let switched = |(slot, start): (Boolean, bool), chosen: bool| {
@@ -207,12 +104,26 @@ impl CarSlots {
 
     /// Writes the car into the values.
     pub(crate) fn write(&self, car: &CarParams, values: &mut Values) {
-        for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
-            values.set_real(*slot, get(car));
+        for (key, slot, _) in &self.numbers {
+            values.set_real(*slot, value_of(key, car));
         }
         values.set_boolean(self.front_force_yaw.0, car.front_force_yaw);
         values.set_boolean(self.combined_slip.0, car.combined_slip);
     }
+}
+
+/// Appends these fields with the numbers of `start`.
+fn numbers(
+    table: &mut Table,
+    fields: &[&str],
+    start: Option<&CarParams>,
+) -> Vec<(&'static CarKey, Real, f64)> {
+    let rows = fields.iter().filter_map(|field| CAR_KEYS.iter().find(|key| key.field == *field));
+    rows.map(|key| {
+        let start = start.map_or(0.0, |car| value_of(key, car));
+        (key, table.add_real(variable(key, start)), start)
+    })
+    .collect()
 }
 
 #[cfg(test)]
@@ -220,12 +131,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_parameter_of_a_car_is_a_variable_with_its_unit() {
+        let mut table = Table::new();
+        let mut slots = CarSlots::new(&mut table, None);
+        slots.add_later(&mut table, None);
+        assert_eq!(slots.numbers.len(), CAR_KEYS.len());
+        for key in CAR_KEYS {
+            let unit = unit::of_symbol(key.unit);
+            let plain = key.unit.replace('^', "").replace(' ', ".");
+            assert_eq!(unit.name, if plain == "-" { "1" } else { plain.as_str() }, "{}", key.key);
+        }
+    }
+
+    #[test]
     fn every_shipped_car_survives_the_way_through_the_table() {
         for name in CarParams::builtin_names() {
             let car = CarParams::builtin(name).unwrap();
             let barc = CarParams::builtin("barc").unwrap();
             let mut table = Table::new();
-            let slots = CarSlots::new(&mut table, Some(&barc));
+            let mut slots = CarSlots::new(&mut table, Some(&barc));
+            slots.add_later(&mut table, Some(&barc));
             let mut values = Values::start(&table);
             slots.write(&car, &mut values);
             for chosen in [&barc, &car] {

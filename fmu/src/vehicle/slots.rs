@@ -139,7 +139,8 @@ impl Slots {
         };
         let measured = nine(&state("vehicle", Role::Output, "Measured", 9));
         let truth = nine(&state("truth", Role::Output, "True", 9));
-        let car = CarSlots::new(t, car.as_ref());
+        let start = car;
+        let mut car = CarSlots::new(t, start.as_ref());
         let push = |t: &mut Table, name: &str, text: &str| t.real(name, Role::Fixed, unit::N, text);
         let force = [
             push(t, "force.forward", "Constant force on the car, forward"),
@@ -202,6 +203,7 @@ impl Slots {
                 "Curvature of the centre line here",
             ),
         ];
+        car.add_later(t, start.as_ref());
         t.bound(&BOUNDS);
         Self {
             command,

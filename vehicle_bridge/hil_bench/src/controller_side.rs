@@ -4,6 +4,11 @@ use lcm_types::{Heartbeat, Message as _, MpcTelemetry, channels};
 
 use super::measure::{Measure, Values};
 
+/// A share of grip below this is less grip. \[-\]
+const LESS_GRIP: f32 = 0.98;
+/// Index of e_y in a state.
+const E_Y: usize = 5;
+
 /// Messages of the controller.
 #[derive(Debug, Default)]
 pub(super) struct Controller {
@@ -29,6 +34,7 @@ impl Controller {
         values.insert(Measure::LogDropped, dropped as f64);
         let failed = self.beats.iter().filter(|beat| beat.detail.contains("cannot save")).count();
         values.insert(Measure::SaveFailures, failed as f64);
+        self.of_steps(start_ns, values);
         let before = self.beats.iter().rfind(|beat| beat.h.mono_ns <= start_ns);
         let anew = |beat: &&Heartbeat| {
             beat.h.mono_ns > start_ns && before.is_some_and(|b| b.h.boot_id != beat.h.boot_id)
@@ -41,6 +47,39 @@ impl Controller {
             if let (Some(known), Some(found)) = (laps(before), found) {
                 values.insert(Measure::LapsLost, known - found);
             }
+        }
+    }
+}
+
+impl Controller {
+    /// What the controller did and found out after the faults began.
+    fn of_steps(&self, start_ns: i64, values: &mut Values) {
+        let after = || self.steps.iter().filter(|step| step.h.mono_ns >= start_ns);
+        let ms = |from: i64, step: &MpcTelemetry| (step.h.mono_ns - from) as f64 * 1e-6;
+        let raced = |step: &&MpcTelemetry| step.action == MpcTelemetry::LEARNED;
+        if after().next().is_some() {
+            let share = after().filter(raced).count() as f64 / after().count() as f64;
+            values.insert(Measure::RacedShare, share);
+            let least = after().map(|step| f64::from(step.road_grip)).fold(f64::INFINITY, f64::min);
+            values.insert(Measure::RoadGrip, least);
+        }
+        let lost = after().find(|step| step.action == MpcTelemetry::RECOVERING);
+        if let Some(lost) = lost
+            && let Some(again) = after().filter(|s| s.h.mono_ns > lost.h.mono_ns).find(raced)
+        {
+            values.insert(Measure::RecoveryMs, ms(lost.h.mono_ns, again));
+            values.reacted(Measure::RecoveryMs, (lost.h.mono_ns - start_ns) as f64 * 1e-9);
+        }
+        if let Some(seen) = after().find(|step| step.road_grip < LESS_GRIP) {
+            values.insert(Measure::GripSeenMs, ms(start_ns, seen));
+            values.reacted(Measure::GripSeenMs, 0.0);
+        }
+        if let Some(step) = self.steps.iter().rfind(|step| step.response_found) {
+            values.insert(Measure::DelayFoundMs, 1e3 * f64::from(step.delay));
+            values.insert(Measure::LagFoundMs, 1e3 * f64::from(step.lag));
+        }
+        if let Some(step) = self.steps.iter().rfind(|step| step.filtered) {
+            values.insert(Measure::NoiseFoundMm, 1e3 * f64::from(step.noise_sigma[E_Y]));
         }
     }
 }
@@ -60,6 +99,46 @@ pub(super) fn log_dropped(beat: &Heartbeat) -> u64 {
 mod tests {
     use super::*;
     use lcm_types::Header;
+
+    #[test]
+    fn recovery_grip_response_and_noise_come_from_the_steps() {
+        let step = |at: i16, action, road_grip| MpcTelemetry {
+            h: Header { mono_ns: i64::from(at) * 100_000_000, ..Header::default() },
+            action,
+            road_grip,
+            response_found: at > 2,
+            delay: 0.05,
+            lag: 0.1,
+            filtered: true,
+            noise_sigma: [0.0, 0.0, 0.0, 0.0, 0.0, 0.002 * f32::from(at)],
+            ..MpcTelemetry::default()
+        };
+        let actions = [
+            MpcTelemetry::LEARNED,
+            MpcTelemetry::LEARNED,
+            MpcTelemetry::RECOVERING,
+            MpcTelemetry::RECOVERING,
+            MpcTelemetry::LEARNED,
+        ];
+        let grips = [0.9, 1.0, 0.99, 0.8, 0.7];
+        let steps = (0..).zip(actions).zip(grips).map(|((at, action), g)| step(at, action, g));
+        let controller = Controller { beats: Vec::new(), steps: steps.collect() };
+        let mut values = Values::default();
+        controller.values(100_000_000, &mut values);
+        let expected = [
+            (Measure::RacedShare, 0.5),
+            (Measure::RecoveryMs, 200.0),
+            (Measure::GripSeenMs, 200.0),
+            (Measure::RoadGrip, 0.7),
+            (Measure::DelayFoundMs, 50.0),
+            (Measure::LagFoundMs, 100.0),
+            (Measure::NoiseFoundMm, 8.0),
+        ];
+        for (measure, value) in expected {
+            let found = values.get(measure).unwrap_or(f64::NAN);
+            assert!((found - value).abs() < 1e-4, "{measure:?}: {found}, expected {value}");
+        }
+    }
 
     #[test]
     fn a_new_start_is_told_from_the_old_one() {

@@ -191,14 +191,15 @@ impl Source {
         let since = now().mono.as_ns().saturating_sub(self.start.load(Ordering::Acquire));
         let faults = self.task.faults.iter().enumerate();
         let begun = faults.filter_map(|(index, fault)| match fault.action {
-            Action::Order { order } => {
+            Action::Order { order, value } => {
                 let (from, until) = fault.window_ns();
-                (self.stopping() && (from..until).contains(&since)).then_some((from, index, order))
+                let acts = self.stopping() && (from..until).contains(&since);
+                acts.then_some((from, index, order, value.unwrap_or_default()))
             }
             _ => None,
         });
-        match begun.max_by_key(|(from, index, _)| (*from, *index)) {
-            Some((_, index, order)) => Duty::Give(index, order),
+        match begun.max_by_key(|(from, index, ..)| (*from, *index)) {
+            Some((_, index, order, value)) => Duty::Give(index, order, value),
             None if self.task.arming && (!self.stopping() || self.rearms()) => Duty::Drive,
             None => Duty::Watch,
         }

@@ -36,7 +36,7 @@ pub enum Action {
         /// Most messages lost; absent: all. \[-\]
         first: Option<u32>,
     },
-    /// Messages are late.
+    /// Messages are late; on the car, its actuators are, without jitter.
     Delay {
         /// By this. \[ms\]
         ms: f64,
@@ -177,6 +177,15 @@ pub enum Action {
         /// Time constant. \[s\]
         seconds: f64,
     },
+    /// Other grip of the simulated car's road.
+    Grip {
+        /// Factor on the friction of the front axle. \[-\]
+        #[serde(default = "all")]
+        front: f64,
+        /// Factor on the friction of the rear axle. \[-\]
+        #[serde(default = "all")]
+        rear: f64,
+    },
     /// Every n-th message alone goes through.
     Every {
         /// n. \[-\]
@@ -235,6 +244,8 @@ pub enum Action {
     Order {
         /// Which.
         order: Order,
+        /// The speed of `speed_cap`; 0 takes it away. \[m/s\]
+        value: Option<f64>,
     },
 }
 
@@ -268,6 +279,15 @@ impl Action {
                 | Self::Ttl { .. }
                 | Self::Fingerprint {}
         )
+    }
+
+    /// Whether it can be done to the simulated car, beside faults of a field.
+    fn is_of_car(&self) -> bool {
+        match *self {
+            Self::Freeze {} | Self::Grip { .. } => true,
+            Self::Delay { jitter_ms, .. } => jitter_ms == 0.0,
+            _ => false,
+        }
     }
 
     /// Whether it sends though nothing comes.
@@ -312,9 +332,13 @@ impl Fault {
             problems.push(format!("fault: rate_hz is {rate_hz}, expected above 0, at most 100000"));
         }
         problems.extend(self.action.problem().map(|problem| format!("fault: {problem}")));
-        if self.car && self.action.field().is_none() && self.action != (Action::Freeze {}) {
-            problems
-                .push("fault: car = true goes with faults of a field and with freeze".to_owned());
+        let on_car = self.action.field().is_some() || self.action.is_of_car();
+        if self.car && !on_car {
+            let known = "faults of a field, freeze, grip, and delay without jitter";
+            problems.push(format!("fault: car = true goes with {known}"));
+        }
+        if !self.car && matches!(self.action, Action::Grip { .. }) {
+            problems.push("fault: grip goes with car = true".to_owned());
         }
         if self.car && self.channel.is_some() {
             problems.push("fault: car = true is on no channel".to_owned());

@@ -12,6 +12,8 @@ pub enum Order {
     Stop,
     /// Start, by the grant of before, again and again.
     Start,
+    /// Speed not to be passed.
+    SpeedCap,
 }
 
 /// Signals at which a program ends by itself.

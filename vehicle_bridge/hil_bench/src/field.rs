@@ -4,7 +4,7 @@
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 
-use super::fault::{Action, Field};
+use super::fault::{Action, Field, Order};
 use super::random::Random;
 
 /// What the fault of a field remembers.
@@ -81,6 +81,21 @@ impl Action {
                 if sigma.is_nan() || sigma < 0.0 =>
             {
                 Some(format!("sigma is {sigma}, expected 0 or above"))
+            }
+            Self::Grip { front, rear }
+                if !(0.0..=10.0).contains(&front) || !(0.0..=10.0).contains(&rear) =>
+            {
+                Some(format!("grip is {front}, {rear}, expected factors from 0 to 10"))
+            }
+            Self::Delay { ms, jitter_ms }
+                if !(0.0..=60_000.0).contains(&ms) || !(0.0..=60_000.0).contains(&jitter_ms) =>
+            {
+                Some(format!("ms is {ms}, jitter_ms {jitter_ms}, expected 0 to 60000"))
+            }
+            Self::Order { order: Order::SpeedCap, value }
+                if !value.is_some_and(|value| (0.0..=1000.0).contains(&value)) =>
+            {
+                Some(format!("value of speed_cap is {value:?}, expected 0 to 1000 m/s"))
             }
             Self::Every { n } if n < 2 => Some(format!("n is {n}, expected 2 or above")),
             _ => None,

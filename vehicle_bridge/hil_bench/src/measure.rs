@@ -65,6 +65,24 @@ pub enum Measure {
     LogDropped,
     /// Heartbeats of the controller that say that what it learned cannot be saved.
     SaveFailures,
+    /// Share of the controller's steps after the fault's beginning that raced: its learned plan. \[-\]
+    RacedShare,
+    /// From the controller's first step of a recovery after the fault to its first that races again.
+    RecoveryMs,
+    /// From the fault's beginning to the first step that knows of a road with 2 % less grip.
+    GripSeenMs,
+    /// Smallest share of grip that the controller gave the road after the fault's beginning. \[-\]
+    RoadGrip,
+    /// Pure delay of the actuators as estimated.
+    DelayFoundMs,
+    /// Time constant of the actuators as estimated.
+    LagFoundMs,
+    /// Standard deviation of the noise of e_y as estimated. \[mm\]
+    NoiseFoundMm,
+    /// Smallest speed after the fault's beginning, by the true state where the car sends it. \[m/s\]
+    LeastSpeedMps,
+    /// Largest speed in the last second, likewise. \[m/s\]
+    FinalSpeedMps,
 }
 
 /// What a limit is on.
@@ -138,6 +156,9 @@ impl Measure {
                 | Self::OffTrack
                 | Self::BeyondM
                 | Self::Drives
+                | Self::DelayFoundMs
+                | Self::LagFoundMs
+                | Self::NoiseFoundMm
         )
     }
 
@@ -165,7 +186,15 @@ impl Name {
     #[must_use]
     pub fn words(&self) -> (String, &'static str) {
         let text = self.text();
-        let units = [("_ms", "ms"), ("_mb", "MB"), ("_hz", "1/s"), ("_m", "m"), ("_s", "s")];
+        let units = [
+            ("_ms", "ms"),
+            ("_mb", "MB"),
+            ("_hz", "1/s"),
+            ("_mps", "m/s"),
+            ("_mm", "mm"),
+            ("_m", "m"),
+            ("_s", "s"),
+        ];
         let found = units.iter().find_map(|(end, unit)| Some((text.strip_suffix(end)?, *unit)));
         let (name, unit) = found.unwrap_or((text.as_str(), ""));
         (name.replace('_', " "), unit)

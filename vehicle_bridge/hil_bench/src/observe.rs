@@ -22,6 +22,8 @@ use super::passed::Passed;
 use transport::{Inbox, Received};
 
 const PLAN: i8 = 2;
+/// A second. \[ns\]
+const SECOND_NS: i64 = 1_000_000_000;
 /// The car side stood still if two reports are this far apart. \[ms\]
 const GAP_MS: f64 = 200.0;
 
@@ -170,6 +172,13 @@ impl Heard {
         let off = states.iter().filter(|state| beyond(state) > 0.0);
         values.insert(Measure::OffTrack, off.count() as f64);
         let after: Vec<_> = states.iter().filter(|s| s.h.mono_ns >= start_ns).collect();
+        if let Some(last) = after.last() {
+            let least = after.iter().map(|state| state.vx).fold(f64::INFINITY, f64::min);
+            values.insert(Measure::LeastSpeedMps, least);
+            let at_end = after.iter().filter(|s| last.h.mono_ns - s.h.mono_ns <= SECOND_NS);
+            let most = at_end.map(|state| state.vx).fold(f64::NEG_INFINITY, f64::max);
+            values.insert(Measure::FinalSpeedMps, most);
+        }
         if after.last().is_some_and(|state| state.vx < 0.05) {
             let way =
                 after.windows(2).map(|p| (p[1].h.mono_ns - p[0].h.mono_ns) as f64 * 1e-9 * p[0].vx);

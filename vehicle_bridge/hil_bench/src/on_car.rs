@@ -5,6 +5,7 @@
 //! --bench-car FILE`, reads them at its next tick. It publishes its true state as well, by which the
 //! run is judged.
 
+use std::collections::VecDeque;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,12 +14,12 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result};
 use lcm_types::VehicleState;
 use serde::{Deserialize, Serialize};
-use vehicle_model::{CarParams, Input, State, Track};
+use vehicle_model::{CarParams, Disturbance, GripChange, Input, State, Track};
 
 use super::fault::{Action, Fault, Field};
 use super::field::FieldMemory;
 use super::random::{self, Random};
-use protocol::convert;
+use protocol::convert::{self, nanoseconds};
 use protocol::publisher::{Identity, Publisher};
 use transport::{Transport, now};
 use vehicle_host::{Vehicle, VehicleError};
@@ -61,6 +62,28 @@ struct Active {
     memory: FieldMemory,
     random: Random,
     frozen: Option<State>,
+    late: Late,
+}
+
+/// Inputs on their way to late actuators.
+#[derive(Default)]
+struct Late {
+    /// When each was commanded, oldest first. \[ns\]
+    waiting: VecDeque<(i64, Input)>,
+    acting: Option<Input>,
+}
+
+impl Late {
+    /// The input that acts at `now_ns`, where `u` is commanded now and acts after `delay_ns`.
+    fn input(&mut self, now_ns: i64, u: Input, delay_ns: i64) -> Input {
+        let mut acting = self.acting.unwrap_or(u);
+        self.waiting.push_back((now_ns, u));
+        while let Some((_, u)) = self.waiting.front().filter(|w| w.0 + delay_ns <= now_ns) {
+            acting = *u;
+            self.waiting.pop_front();
+        }
+        *self.acting.insert(acting)
+    }
 }
 
 /// A simulated car whose sensors and actuators can fail.
@@ -69,6 +92,9 @@ pub struct FaultyCar {
     file: PathBuf,
     start_ns: i64,
     active: Vec<Active>,
+    /// What acts on the car without faults, and factors on its grip by faults.
+    calm: Option<Disturbance>,
+    grip: [f64; 2],
     truth: Publisher,
 }
 
@@ -77,7 +103,9 @@ impl FaultyCar {
     #[must_use]
     pub fn new(vehicle: Box<dyn Vehicle>, file: &Path, network: &Arc<dyn Transport>) -> Self {
         let truth = Publisher::new(network, &Identity::new("car"), TRUTH);
-        Self { vehicle, file: file.to_owned(), start_ns: i64::MAX, active: Vec::new(), truth }
+        let calm = vehicle.disturbance().cloned();
+        let (file, start_ns, active, grip) = (file.to_owned(), i64::MAX, Vec::new(), [1.0; 2]);
+        Self { vehicle, file, start_ns, active, calm, grip, truth }
     }
 
     /// Reads the faults once they are there.
@@ -93,6 +121,7 @@ impl FaultyCar {
             memory: FieldMemory::default(),
             random: random::of(seed ^ (i << 32)),
             frozen: None,
+            late: Late::default(),
         };
         self.active = (0..).zip(faults).map(active).collect();
     }
@@ -107,6 +136,17 @@ impl FaultyCar {
             let (from, until) = active.fault.window_ns();
             (from..until).contains(&now_ns.saturating_sub(start_ns))
         })
+    }
+
+    /// Gives the road this grip, if it has another one.
+    fn hold(&mut self, factor: [f64; 2]) -> Result<(), VehicleError> {
+        if factor == self.grip {
+            return Ok(());
+        }
+        self.grip = factor;
+        let mut disturbance = self.calm.clone().unwrap_or_default();
+        disturbance.grip.push(GripChange { factor, time_s: None, s_m: None });
+        self.vehicle.disturb(disturbance)
     }
 
     fn tell_truth(&mut self) {
@@ -157,7 +197,7 @@ impl Vehicle for FaultyCar {
         let mut x = self.vehicle.measure();
         let (now_ns, track) = (now().mono.as_ns(), Arc::clone(self.vehicle.track()));
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
-            let Active { fault, memory, random, frozen } = active;
+            let Active { fault, memory, random, frozen, .. } = active;
             if fault.action == (Action::Freeze {}) {
                 x = *frozen.get_or_insert(x);
             }
@@ -176,8 +216,14 @@ impl Vehicle for FaultyCar {
 
     fn apply(&mut self, mut u: Input, dt: f64) -> Result<(), VehicleError> {
         let now_ns = now().mono.as_ns();
+        let mut grip = [1.0; 2];
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
-            let Active { fault, memory, random, .. } = active;
+            let Active { fault, memory, random, late, .. } = active;
+            match fault.action {
+                Action::Delay { ms, .. } => u = late.input(now_ns, u, nanoseconds(1e-3 * ms)),
+                Action::Grip { front, rear } => grip = [grip[0] * front, grip[1] * rear],
+                _ => {}
+            }
             let place = match fault.action.field() {
                 Some(Field::Accel) => &mut u.a,
                 Some(Field::Steer) => &mut u.delta,
@@ -185,6 +231,7 @@ impl Vehicle for FaultyCar {
             };
             *place = fault.action.change(*place, now_ns, memory, random).unwrap_or(*place);
         }
+        self.hold(grip)?;
         self.vehicle.apply(u, dt)
     }
 
@@ -206,5 +253,21 @@ impl Vehicle for FaultyCar {
 
     fn car(&self) -> &CarParams {
         self.vehicle.car()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use super::*;
+
+    #[test]
+    fn late_actuators_do_what_was_commanded_before() {
+        let mut late = Late::default();
+        let mut at = |tick: i64| late.input(tick * 10, Input { a: tick as f64, delta: 0.0 }, 30).a;
+        let acting: Vec<f64> = (0..8).map(&mut at).collect();
+        assert_eq!(acting, [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0]);
+        // After a pause all that is due is passed over but the newest.
+        assert_eq!(at(100), 7.0);
     }
 }

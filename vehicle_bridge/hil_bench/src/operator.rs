@@ -15,12 +15,12 @@ const ARM_REPEAT: Duration = Duration::from_millis(100);
 const ESTOP_TIMES: u32 = 3;
 
 /// What the operator does in this round.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Duty {
     /// Arms and starts, if the car does not drive yet.
     Drive,
-    /// The order of the fault with this place in the scenario, until it is answered.
-    Give(usize, Order),
+    /// The order of the fault with this place in the scenario and its value, until it is answered.
+    Give(usize, Order, f64),
     /// Nothing more than the switch.
     Watch,
 }
@@ -89,18 +89,18 @@ impl Operator {
                 let arm = self.token == 0;
                 let command = if arm { OperatorCommand::ARM } else { OperatorCommand::START };
                 self.request += 1;
-                self.say(self.request, command, !arm && switch == Switch::Held);
+                self.say(self.request, command, 0.0, !arm && switch == Switch::Held);
             }
-            Duty::Give(fault, order) => self.give(fault, order),
+            Duty::Give(fault, order, value) => self.give(fault, order, value),
             Duty::Drive | Duty::Watch => {}
         }
         if self.running && switch != Switch::Silent {
             self.request += 1;
-            self.say(self.request, OperatorCommand::START, switch == Switch::Held);
+            self.say(self.request, OperatorCommand::START, 0.0, switch == Switch::Held);
         }
     }
 
-    fn give(&mut self, fault: usize, order: Order) {
+    fn give(&mut self, fault: usize, order: Order, value: f64) {
         let number = match self.given {
             Some((given, number)) if given == fault => number,
             _ => {
@@ -118,20 +118,22 @@ impl Operator {
             Order::Estop => (OperatorCommand::ESTOP, ESTOP_TIMES),
             Order::Stop => (OperatorCommand::STOP, 1),
             Order::Start => (OperatorCommand::START, 1),
+            Order::SpeedCap => (OperatorCommand::SET_SPEED_CAP, 1),
         };
         for _ in 0..times {
-            self.say(number, command, false);
+            self.say(number, command, value, false);
         }
         if order == Order::Start {
             self.given = None;
         }
     }
 
-    fn say(&mut self, request_id: i64, command: i8, deadman: bool) {
+    fn say(&mut self, request_id: i64, command: i8, value: f64, deadman: bool) {
         let message = OperatorCommand {
             h: self.publisher.header(),
             command,
             request_id,
+            value,
             arm_token: self.token,
             deadman,
             reason: "bench".to_owned(),

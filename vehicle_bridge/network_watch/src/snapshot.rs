@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::Estimates;
+
 /// Everything. Ages are from arrival to now, on this host's clock.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Snapshot {
@@ -145,6 +147,8 @@ pub struct StepSeen {
     pub overruns: i32,
     /// Lap the controller is on. \[-\]
     pub lap: i32,
+    /// What it does and what it has found out.
+    pub estimates: Estimates,
 }
 
 /// A channel.

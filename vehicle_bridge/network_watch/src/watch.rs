@@ -7,7 +7,9 @@ use lcm_types::{
 };
 
 use super::stream::Stream;
-use super::{CarSeen, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen};
+use super::{
+    CarSeen, Estimates, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen,
+};
 use safety::BridgeState;
 
 /// A program silent for longer may be gone. \[s\]
@@ -150,6 +152,7 @@ impl Watch {
                 deadline_ms: ms(step.deadline_us),
                 overruns: step.overruns,
                 lap: step.lap,
+                estimates: Estimates::of(step),
             }),
             last_stop: self.stop.clone(),
             channels: self.streams.iter().map(|(name, s)| s.seen(name, now_ns)).collect(),

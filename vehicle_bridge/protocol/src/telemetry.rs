@@ -64,7 +64,7 @@ pub fn step_message(
 ) -> MpcTelemetry {
     let status = &command.status;
     let (plan, set) = (controller.plan(), controller.safe_set());
-    let period = controller.config().horizon.period;
+    let (period, response) = (controller.config().horizon.period, controller.response());
     let micros = |seconds: f64| (seconds * 1e6).min(f64::from(i32::MAX)) as i32;
     let solve = step.time.phases[PHASES.len() - 1];
     let slack =
@@ -77,6 +77,8 @@ pub fn step_message(
         state_seq: step.state_seq.get(),
         lap: lap_number(status.lap),
         status: status_code(status.action, status.solve),
+        action: status.action.code() as i8,
+        reason: status.reason.code() as i8,
         iters: i32::try_from(status.iterations).unwrap_or(i32::MAX),
         sqp_steps: i32::from(status.solve != SolveStatus::NotRun),
         build_us: micros(step.time.phases[..PHASES.len() - 1].iter().sum()),
@@ -89,6 +91,15 @@ pub fn step_message(
         terminal_slack_cost: status.terminal_slack_cost,
         support_min: status.data_support_min as f32,
         support_mean: status.data_support_mean as f32,
+        grip: controller.grip().map(|factor| factor as f32),
+        road_grip: status.road_grip as f32,
+        delay: response.delay as f32,
+        lag: response.lag as f32,
+        response_found: controller.response_found(),
+        delay_change: status.delay_change as f32,
+        filtered: controller.covariance().is_some(),
+        state_sigma: controller.state_sigma().unwrap_or_default().map(|sigma| sigma as f32),
+        noise_sigma: controller.noise_sigma().unwrap_or_default().map(|sigma| sigma as f32),
         n_slack: slack.len() as i16,
         slack: slack.iter().map(|&s| s as f32).collect(),
         n_pred: plan.x.len() as i16,
@@ -267,6 +278,10 @@ mod tests {
             let step = Step::default();
             let message = step_message(Header::default(), &controller, &command, &step);
             assert_eq!(message.slack.len(), 4);
+            let warm_up = command.status.action == Action::WarmUp;
+            assert_eq!(message.action == MpcTelemetry::WARM_UP, warm_up);
+            assert_eq!(message.grip, controller.grip().map(|factor| factor as f32));
+            assert_eq!((message.road_grip, message.filtered), (1.0, false));
             if command.status.action == Action::Learned {
                 learned += 1;
                 let total: f32 = message.ss_lambda.iter().sum();

@@ -108,6 +108,17 @@ fn busy() -> Watch {
         total_us: 25_000,
         deadline_us: 100_000,
         overruns: 1,
+        action: MpcTelemetry::RECOVERING,
+        reason: MpcTelemetry::OFF_TRACK,
+        grip: [0.9, 0.8],
+        road_grip: 0.75,
+        delay: 0.043,
+        lag: 0.1,
+        response_found: true,
+        delay_change: 0.1,
+        filtered: true,
+        state_sigma: [0.0, 0.0, 0.0, 0.002, 0.0, 0.003],
+        noise_sigma: [0.0, 0.0, 0.0, 0.011, 0.0, 0.012],
         ..Default::default()
     };
     watch.take(channels::TELEMETRY, &plain(&MpcTelemetry { total_us: 60_000, ..step.clone() }), 0);
@@ -169,9 +180,17 @@ fn the_view_fits_its_width_and_shows_the_car_where_it_is() {
         assert!((at - 0.3 * cells).abs() <= 1.0, "{}", lines[2]);
         assert!(lines[2].ends_with("((|") && lines[2].starts_with("|--"), "{}", lines[2]);
         let all = lines.join("\n");
-        for word in
-            ["RUNNING", "silent", "jerk, speed cap", "last stop: no valid command", "e_y +0.250 m"]
-        {
+        for word in [
+            "RUNNING",
+            "silent",
+            "jerk, speed cap",
+            "last stop: no valid command",
+            "e_y +0.250 m",
+            "recovering (off track)",
+            "grip 0.90 0.80 of nominal, road 0.75  delay 43 ms, lag 100 ms estimated",
+            "filter 3 mm 2 mrad of 12 mm 11 mrad",
+            "commands act 100 ms later",
+        ] {
             assert!(all.contains(word) || width < 120, "{word} in {all}");
         }
     }
@@ -181,4 +200,38 @@ fn the_view_fits_its_width_and_shows_the_car_where_it_is() {
 fn nothing_heard_is_said() {
     let all = draw(&Watch::default().snapshot(0), "", 80).join("\n");
     assert!(all.contains("nothing is said") && all.contains("no state of the car"), "{all}");
+}
+
+#[test]
+fn actions_and_reasons_have_one_code_and_one_name() {
+    use controller::{Action, Reason};
+    use network_watch::{action_name, reason_name};
+    use racing::words::{action_word, reason_word};
+    let code = |code: u8| i8::try_from(code).unwrap();
+    for action in [
+        Action::WarmUp,
+        Action::Learned,
+        Action::ShiftedPlan,
+        Action::Tracking,
+        Action::Braking,
+        Action::Recovering,
+    ] {
+        assert_eq!(action_name(code(action.code())), action_word(action));
+    }
+    for reason in [
+        Reason::None,
+        Reason::SolverFailed,
+        Reason::NonFinite,
+        Reason::TimeNotAdvancing,
+        Reason::TimeGap,
+        Reason::Jump,
+        Reason::OffTrack,
+        Reason::WrongWay,
+        Reason::Standstill,
+        Reason::NoSafeSet,
+        Reason::Spin,
+        Reason::Askew,
+    ] {
+        assert_eq!(reason_name(code(reason.code())), reason_word(reason));
+    }
 }

@@ -3,7 +3,7 @@
 use anstyle::Style;
 
 use crate::console::{BAD, GOOD, SOFT, WARN, paint};
-use network_watch::{CarSeen, ChannelSeen, ProgramSeen, Snapshot, TrackSeen};
+use network_watch::{CarSeen, ChannelSeen, Estimates, ProgramSeen, Snapshot, TrackSeen};
 
 /// A silence of this many of a channel's own intervals is one to look at. \[-\]
 const LATE: f64 = 5.0;
@@ -217,6 +217,41 @@ fn step(seen: &Snapshot, width: usize, lines: &mut Vec<String>) {
         step.total_ms, step.deadline_ms, step.worst_ms, step.overruns, step.status
     );
     lines.push(format!("step     [{bar}] {}", cut(&words, width.saturating_sub(cells + 12))));
+    estimates(&step.estimates, width, lines);
+}
+
+/// What the controller does and what it has found out.
+fn estimates(e: &Estimates, width: usize, lines: &mut Vec<String>) {
+    let why = if e.reason.is_empty() { String::new() } else { format!(" ({})", e.reason) };
+    let action = format!("{}{why}", e.action).replace('_', " ");
+    let style = if e.recovering || !e.reason.is_empty() { WARN } else { GOOD };
+    lines.push(format!("action   {}", paint(style, &cut(&action, width.saturating_sub(9)))));
+    let found = if e.response_found { "estimated" } else { "configured" };
+    let [front, rear] = e.grip;
+    let mut words = format!(
+        "grip {front:.2} {rear:.2} of nominal, road {:.2}  delay {:.0} ms, lag {:.0} ms {found}",
+        e.road_grip,
+        1e3 * e.delay_s,
+        1e3 * e.lag_s
+    );
+    if let (Some([e_psi, e_y]), Some(noise)) = (e.sigma, e.noise) {
+        words += &format!(
+            "  filter {:.0} mm {:.0} mrad of {:.0} mm {:.0} mrad",
+            1e3 * e_y,
+            1e3 * e_psi,
+            1e3 * noise[1],
+            1e3 * noise[0]
+        );
+    }
+    lines.push(format!("found    {}", cut(&words, width.saturating_sub(9))));
+    if e.delay_change_s != 0.0 {
+        let later = if e.delay_change_s > 0.0 { "later" } else { "sooner" };
+        let words = format!(
+            "commands act {:.0} ms {later} than estimated; not compensated",
+            1e3 * e.delay_change_s.abs()
+        );
+        lines.push(paint(WARN, &cut(&format!("         {words}"), width)));
+    }
 }
 
 fn channels(channels: &[ChannelSeen], width: usize, lines: &mut Vec<String>) {

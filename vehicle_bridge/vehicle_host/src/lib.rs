@@ -5,7 +5,7 @@ mod plant;
 
 use std::sync::Arc;
 
-use vehicle_model::{CarParams, Input, State, Track};
+use vehicle_model::{CarParams, Disturbance, Input, State, Track};
 
 /// Why a simulated vehicle cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +20,9 @@ pub enum VehicleError {
         /// What it says.
         reason: String,
     },
+    /// What is to act on it is out of range, or cannot be changed.
+    #[error("what acts on the vehicle: {0}")]
+    Disturb(String),
 }
 
 /// A simulated vehicle on a track. States are in the track's frame with s wrapped into the lap.
@@ -38,6 +41,19 @@ pub trait Vehicle: Send {
 
     /// The input that really acted last.
     fn applied(&self) -> Input;
+
+    /// What acts on it beside its inputs; none where that cannot be changed.
+    fn disturbance(&self) -> Option<&Disturbance> {
+        None
+    }
+
+    /// Changes what acts on it beside its inputs, from now on.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if that is out of range, or cannot be changed.
+    fn disturb(&mut self, _disturbance: Disturbance) -> Result<(), VehicleError> {
+        Err(VehicleError::Disturb("this vehicle's surroundings cannot be changed".to_owned()))
+    }
 
     /// Way along the track since s = 0 of lap 0, growing over the laps. \[m\]
     fn progress(&self) -> f64;

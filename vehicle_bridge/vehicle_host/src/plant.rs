@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vehicle_model::{CarParams, Input, Plant, State, Track};
+use vehicle_model::{CarParams, Disturbance, Input, Plant, State, Track};
 
 use super::{Vehicle, VehicleError};
 
@@ -22,6 +22,14 @@ impl Vehicle for Plant {
 
     fn applied(&self) -> Input {
         self.applied()
+    }
+
+    fn disturbance(&self) -> Option<&Disturbance> {
+        Some(&self.params().disturbance)
+    }
+
+    fn disturb(&mut self, disturbance: Disturbance) -> Result<(), VehicleError> {
+        self.set_disturbance(disturbance).map_err(|e| VehicleError::Disturb(e.to_string()))
     }
 
     fn progress(&self) -> f64 {

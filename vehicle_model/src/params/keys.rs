@@ -1,111 +1,267 @@
-//! The keys of a car file with unit and meaning, and cars written with all of them.
+//! The parameters of a car: one table of key, symbol, unit, range, default and meaning.
+//!
+//! Checks, fingerprint, written car files, the FMU's `car.*` variables and the reference page come from
+//! it. Its order is that of the fingerprint: a new parameter goes to the end of its group's rows in
+//! [`CarParams`], and joins the fingerprint only where it is not at its default.
 
 use std::fmt::Write as _;
 
 use super::CarParams;
 
-/// Value of a key of a car: none where an effect is switched off by the key's absence.
-type Value = fn(&CarParams) -> Option<f64>;
-
-/// A group of keys under a heading.
-struct Group {
-    heading: &'static str,
-    keys: &'static [(&'static str, Value, &'static str)],
+/// What a number must satisfy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CarRange {
+    /// Above 0.
+    Positive,
+    /// 0 or above.
+    NotNegative,
+    /// Below 0.
+    Negative,
+    /// From 0 to 1.
+    Share,
+    /// Above 0 and below pi/2.
+    Steering,
 }
 
-const GROUPS: &[Group] = &[
-    Group {
-        heading: "Body.",
-        keys: &[
-            ("mass_kg", |c| Some(c.mass), "mass with driver and fuel [kg], (0, inf)"),
-            ("inertia_z_kgm2", |c| Some(c.inertia_z), "yaw inertia [kg m^2], (0, inf)"),
-            ("l_f_m", |c| Some(c.l_f), "centre of gravity to front axle [m], (0, inf)"),
-            ("l_r_m", |c| Some(c.l_r), "centre of gravity to rear axle [m], (0, inf)"),
-            (
-                "h_cg_m",
-                |c| Some(c.h_cg),
-                "height of the centre of gravity [m]; 0: no load transfer",
-            ),
-            ("length_m", |c| Some(c.length), "body length [m], (0, inf)"),
-            ("width_m", |c| Some(c.width), "body width [m], (0, inf)"),
-        ],
-    },
-    Group {
-        heading: "What resists and what presses down; 0 switches each off.",
-        keys: &[
-            ("cd", |c| Some(c.cd), "drag coefficient [-]"),
-            ("cl_front", |c| Some(c.cl_front), "downforce coefficient of the front axle [-]"),
-            ("cl_rear", |c| Some(c.cl_rear), "downforce coefficient of the rear axle [-]"),
-            ("area_m2", |c| Some(c.area), "reference area of cd and cl [m^2]"),
-            ("rho_kgpm3", |c| Some(c.rho), "density of air [kg/m^3]; 1.2 at sea level"),
-            ("rolling", |c| Some(c.rolling), "rolling resistance coefficient [-], [0, 1]"),
-            ("linear_drag_per_s", |c| Some(c.linear_drag), "deceleration per speed [1/s]"),
-        ],
-    },
-    Group {
-        heading: "What the controller may ask of the car.",
-        keys: &[
-            ("a_min_mps2", |c| Some(c.a_min), "strongest braking command [m/s^2], (-inf, 0)"),
-            ("a_max_mps2", |c| Some(c.a_max), "strongest driving command [m/s^2], (0, inf)"),
-            (
-                "delta_max_rad",
-                |c| Some(c.delta_max),
-                "steering stop on each side, at the wheels [rad]",
-            ),
-            (
-                "delta_rate_max_radps",
-                |c| c.delta_rate_max,
-                "steering rate limit [rad/s]; absent: none",
-            ),
-            ("a_rate_max_mps3", |c| c.a_rate_max, "limit of the rate of a [m/s^3]; absent: none"),
-        ],
-    },
-    Group {
-        heading: "Engine and brakes.",
-        keys: &[
-            ("power_max_w", |c| c.power_max, "power at the wheels [W]; absent: no limit"),
-            ("drive_force_max_n", |c| c.drive_force_max, "driving force [N]; absent: no limit"),
-            ("brake_force_max_n", |c| c.brake_force_max, "braking force [N]; absent: no limit"),
-            (
-                "speed_max_mps",
-                |c| c.speed_max,
-                "top speed of gearing or governor [m/s]; absent: none",
-            ),
-            (
-                "drive_front",
-                |c| Some(c.drive_front),
-                "share of driving force on the front axle, [0, 1]",
-            ),
-            (
-                "brake_front",
-                |c| Some(c.brake_front),
-                "brake balance: share of braking force on the front axle, [0, 1]",
-            ),
-        ],
-    },
-    Group {
-        heading: "Actuators; 0 switches each off.",
-        keys: &[
-            (
-                "actuator_lag_s",
-                |c| Some(c.actuator_lag),
-                "first-order time constant of both inputs [s]",
-            ),
-            ("actuator_delay_s", |c| Some(c.actuator_delay), "transport delay of both inputs [s]"),
-        ],
-    },
-    Group {
-        heading: "Between these speeds rolling wheels give way to the tyre model; both 0: never, absent:\n\
-                  # 0.2 and 0.5 times sqrt(g wheelbase).",
-        keys: &[
-            ("blend_speed_low_mps", |c| Some(c.blend_speed_low), "wheels roll at and below [m/s]"),
-            (
-                "blend_speed_high_mps",
-                |c| Some(c.blend_speed_high),
-                "tyres alone at and above [m/s]",
-            ),
-        ],
-    },
+impl CarRange {
+    /// Whether a finite value lies inside.
+    #[must_use]
+    pub fn holds(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Positive => value > 0.0,
+                Self::NotNegative => value >= 0.0,
+                Self::Negative => value < 0.0,
+                Self::Share => (0.0..=1.0).contains(&value),
+                Self::Steering => value > 0.0 && value < std::f64::consts::FRAC_PI_2,
+            }
+    }
+
+    /// The range in words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Positive => "a number above 0",
+            Self::NotNegative => "a number of 0 or above",
+            Self::Negative => "a number below 0",
+            Self::Share => "a share between 0 and 1",
+            Self::Steering => "an angle above 0 and below pi/2",
+        }
+    }
+
+    /// The range as an interval.
+    #[must_use]
+    pub const fn interval(self) -> &'static str {
+        match self {
+            Self::Positive => "(0, inf)",
+            Self::NotNegative => "[0, inf)",
+            Self::Negative => "(-inf, 0)",
+            Self::Share => "[0, 1]",
+            Self::Steering => "(0, pi/2)",
+        }
+    }
+}
+
+/// What a car file without the key gets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CarDefault {
+    /// Nothing: the key must be there.
+    Required,
+    /// 0: the effect is off.
+    Off,
+    /// No limit.
+    NoLimit,
+    /// What follows from other keys, in words.
+    Derived(&'static str),
+}
+
+impl CarDefault {
+    /// The default in words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Required => "required",
+            Self::Off => "0",
+            Self::NoLimit => "no limit",
+            Self::Derived(text) => text,
+        }
+    }
+}
+
+/// A group of parameters in car files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CarGroup {
+    /// Masses and lengths.
+    Body,
+    /// Drag, downforce and rolling resistance.
+    Resistance,
+    /// Engine and brakes.
+    Drive,
+    /// Limits of commands.
+    Command,
+    /// Lag and delay.
+    Actuators,
+    /// Speeds between rolling wheels and tyre model.
+    Blend,
+    /// The front tyre.
+    FrontTyre,
+    /// The rear tyre.
+    RearTyre,
+}
+
+impl CarGroup {
+    /// All groups, in the order of car files.
+    pub const ALL: [Self; 8] = [
+        Self::Body,
+        Self::Resistance,
+        Self::Drive,
+        Self::Command,
+        Self::Actuators,
+        Self::Blend,
+        Self::FrontTyre,
+        Self::RearTyre,
+    ];
+
+    /// Section of the car file; empty for the top level.
+    #[must_use]
+    pub const fn section(self) -> &'static str {
+        match self {
+            Self::FrontTyre => "tyre_front",
+            Self::RearTyre => "tyre_rear",
+            _ => "",
+        }
+    }
+
+    /// What its parameters are about.
+    #[must_use]
+    pub const fn heading(self) -> &'static str {
+        match self {
+            Self::Body => "Body.",
+            Self::Resistance => "What resists and what presses down; 0 switches each off.",
+            Self::Drive => "Engine and brakes.",
+            Self::Command => "What the controller may ask of the car.",
+            Self::Actuators => "Actuators; 0 switches each off.",
+            Self::Blend => {
+                "Between these speeds rolling wheels give way to the tyre model; both 0: never."
+            }
+            Self::FrontTyre => "Lateral tyre of the front axle.",
+            Self::RearTyre => "Lateral tyre of the rear axle.",
+        }
+    }
+
+    /// Its rows of [`CAR_KEYS`], in their order.
+    pub fn keys(self) -> impl Iterator<Item = &'static CarKey> {
+        CAR_KEYS.iter().filter(move |key| key.group == self)
+    }
+}
+
+/// One parameter of a car.
+#[derive(Debug, Clone, Copy)]
+pub struct CarKey {
+    /// Group, and with it the section of the car file.
+    pub group: CarGroup,
+    /// Key in the car file, with the unit at its end.
+    pub key: &'static str,
+    /// Field of [`CarParams`], as in FMU variables: `tyre_front.b`.
+    pub field: &'static str,
+    /// Symbol in the equations.
+    pub symbol: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Range.
+    pub range: CarRange,
+    /// What its absence means.
+    pub default: CarDefault,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The value of a car; none for a limit that it does not have.
+    pub get: fn(&CarParams) -> Option<f64>,
+    /// Gives a car the value; none takes a limit away, and changes nothing else.
+    pub set: fn(&mut CarParams, Option<f64>),
+}
+
+/// A row: group, key, symbol, unit, range, default, meaning, field.
+macro_rules! number {
+    ($group:ident, $key:literal, $symbol:literal, $unit:literal, $range:ident, $default:expr,
+     $meaning:literal, $name:literal = $($field:ident).+) => {
+        CarKey {
+            group: CarGroup::$group,
+            key: $key,
+            field: $name,
+            symbol: $symbol,
+            unit: $unit,
+            range: CarRange::$range,
+            default: $default,
+            meaning: $meaning,
+            get: |car| Some(car.$($field).+),
+            set: |car, value| car.$($field).+ = value.unwrap_or(car.$($field).+),
+        }
+    };
+}
+
+/// A row of a limit that a car need not have.
+macro_rules! limit {
+    ($group:ident, $key:literal, $symbol:literal, $unit:literal, $meaning:literal,
+     $name:literal = $field:ident) => {
+        CarKey {
+            group: CarGroup::$group,
+            key: $key,
+            field: $name,
+            symbol: $symbol,
+            unit: $unit,
+            range: CarRange::Positive,
+            default: NoLimit,
+            meaning: $meaning,
+            get: |car| car.$field,
+            set: |car, value| car.$field = value,
+        }
+    };
+}
+
+use CarDefault::{Derived, NoLimit, Off, Required};
+
+const STIFFNESS: CarDefault = Derived("from cornering_stiffness_*");
+const SHAPE: CarDefault = Derived("1.3 with cornering_stiffness_*");
+const PEAK: CarDefault = Derived("from peak_n");
+
+/// All parameters of a car but its name and its switches.
+#[rustfmt::skip]
+pub const CAR_KEYS: &[CarKey] = &[
+    number!(Body, "mass_kg", "m", "kg", Positive, Required, "mass with driver and fuel", "mass" = mass),
+    number!(Body, "inertia_z_kgm2", "I_z", "kg m^2", Positive, Required, "yaw inertia", "inertia_z" = inertia_z),
+    number!(Body, "l_f_m", "l_f", "m", Positive, Required, "centre of gravity to front axle", "l_f" = l_f),
+    number!(Body, "l_r_m", "l_r", "m", Positive, Required, "centre of gravity to rear axle", "l_r" = l_r),
+    number!(FrontTyre, "b", "B_f", "-", Positive, STIFFNESS, "stiffness factor B of the front tyre", "tyre_front.b" = tyre_front.b),
+    number!(FrontTyre, "c", "C_f", "-", Positive, SHAPE, "shape factor C of the front tyre", "tyre_front.c" = tyre_front.c),
+    number!(FrontTyre, "mu", "mu_f", "-", Positive, PEAK, "peak friction coefficient of the front tyre", "tyre_front.mu" = tyre_front.mu),
+    number!(RearTyre, "b", "B_r", "-", Positive, STIFFNESS, "stiffness factor B of the rear tyre", "tyre_rear.b" = tyre_rear.b),
+    number!(RearTyre, "c", "C_r", "-", Positive, SHAPE, "shape factor C of the rear tyre", "tyre_rear.c" = tyre_rear.c),
+    number!(RearTyre, "mu", "mu_r", "-", Positive, PEAK, "peak friction coefficient of the rear tyre", "tyre_rear.mu" = tyre_rear.mu),
+    number!(Body, "h_cg_m", "h", "m", NotNegative, Off, "height of the centre of gravity; 0: no load transfer", "h_cg" = h_cg),
+    number!(Resistance, "cd", "c_d", "-", NotNegative, Off, "drag coefficient", "cd" = cd),
+    number!(Resistance, "cl_front", "c_lf", "-", NotNegative, Off, "downforce coefficient of the front axle", "cl_front" = cl_front),
+    number!(Resistance, "cl_rear", "c_lr", "-", NotNegative, Off, "downforce coefficient of the rear axle", "cl_rear" = cl_rear),
+    number!(Resistance, "area_m2", "A", "m^2", NotNegative, Off, "reference area of drag and downforce", "area" = area),
+    number!(Resistance, "rho_kgpm3", "rho", "kg/m^3", NotNegative, Off, "density of air; 1.2 at sea level", "rho" = rho),
+    number!(Resistance, "rolling", "c_r", "-", Share, Off, "rolling resistance coefficient", "rolling" = rolling),
+    number!(Resistance, "linear_drag_per_s", "d", "1/s", NotNegative, Off, "deceleration per speed, for studies", "linear_drag" = linear_drag),
+    number!(Drive, "drive_front", "gamma_d", "-", Share, Off, "share of driving force on the front axle", "drive_front" = drive_front),
+    number!(Drive, "brake_front", "gamma_b", "-", Share, Off, "brake balance: share of braking force on the front axle", "brake_front" = brake_front),
+    limit!(Drive, "power_max_w", "P_max", "W", "limit of the power at the wheels", "power_max" = power_max),
+    limit!(Drive, "drive_force_max_n", "F_d,max", "N", "limit of the driving force", "drive_force_max" = drive_force_max),
+    limit!(Drive, "brake_force_max_n", "F_b,max", "N", "limit of the braking force", "brake_force_max" = brake_force_max),
+    limit!(Drive, "speed_max_mps", "v_max", "m/s", "top speed of gearing or governor", "speed_max" = speed_max),
+    number!(Body, "length_m", "L", "m", Positive, Required, "body length", "length" = length),
+    number!(Body, "width_m", "W", "m", Positive, Required, "body width", "width" = width),
+    number!(Command, "a_min_mps2", "a_min", "m/s^2", Negative, Required, "strongest braking command", "a_min" = a_min),
+    number!(Command, "a_max_mps2", "a_max", "m/s^2", Positive, Required, "strongest driving command", "a_max" = a_max),
+    number!(Command, "delta_max_rad", "delta_max", "rad", Steering, Required, "steering stop on each side, at the wheels", "delta_max" = delta_max),
+    limit!(Command, "delta_rate_max_radps", "delta'_max", "rad/s", "limit of the steering rate", "delta_rate_max" = delta_rate_max),
+    limit!(Command, "a_rate_max_mps3", "a'_max", "m/s^3", "limit of the rate of the acceleration", "a_rate_max" = a_rate_max),
+    number!(Actuators, "actuator_lag_s", "tau", "s", NotNegative, Off, "first-order time constant of both inputs", "actuator_lag" = actuator_lag),
+    number!(Actuators, "actuator_delay_s", "T_d", "s", NotNegative, Off, "transport delay of both inputs", "actuator_delay" = actuator_delay),
+    number!(Blend, "blend_speed_low_mps", "v_low", "m/s", NotNegative, Derived("0.2 sqrt(g l)"), "wheels roll at and below", "blend_speed_low" = blend_speed_low),
+    number!(Blend, "blend_speed_high_mps", "v_high", "m/s", NotNegative, Derived("0.5 sqrt(g l)"), "tyres alone at and above", "blend_speed_high" = blend_speed_high),
 ];
 
 const TYRES: &str = "
@@ -116,45 +272,51 @@ const TYRES: &str = "
 #   cornering_stiffness_norm_per_rad  C_S = C_alpha / (mu F_z0) [1/rad]: B = C_S / C
 ";
 
-/// A number as TOML has it: a float, whatever its value.
-fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
 impl CarParams {
-    /// The text of a car file with every key, each with unit and meaning. Reading it gives the same
-    /// numbers again.
+    /// The text of a car file with every key, each with unit, range and meaning. Reading it gives the
+    /// same numbers again.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let name = self.name.replace('\\', "\\\\").replace('"', "\\\"");
         let mut out =
             "# Every key carries its unit; angles are positive to the left.\n\n".to_owned();
         let _ = writeln!(out, "name = \"{name}\"");
-        for group in GROUPS {
-            let _ = writeln!(out, "\n# {}", group.heading);
-            for (key, value, meaning) in group.keys {
-                match value(self) {
-                    Some(value) => line(&mut out, &format!("{key} = {}", number(value)), meaning),
-                    None => line(&mut out, &format!("# {key} ="), meaning),
+        for group in CarGroup::ALL {
+            match group {
+                CarGroup::FrontTyre => {
+                    self.switches(&mut out);
+                    let _ = writeln!(out, "{TYRES}[{}]", group.section());
+                }
+                CarGroup::RearTyre => {
+                    let _ = writeln!(out, "\n[{}]", group.section());
+                }
+                _ => {
+                    let _ = writeln!(out, "\n# {}", group.heading());
+                }
+            }
+            for key in group.keys() {
+                let CarKey { unit, meaning, range, .. } = key;
+                let words = format!("{meaning} [{unit}], {}", range.interval());
+                match (key.get)(self) {
+                    // A float, whatever its value.
+                    Some(value) => line(&mut out, &format!("{} = {value:?}", key.key), &words),
+                    None => line(
+                        &mut out,
+                        &format!("# {} =", key.key),
+                        &format!("{words}; absent: none"),
+                    ),
                 }
             }
         }
-        out += "\n# Equations.\n";
-        let on = "the force of steered front wheels along them turns the car";
-        line(&mut out, &format!("front_force_yaw = {}", self.front_force_yaw), on);
-        let on = "longitudinal force takes from the lateral one (friction ellipse)";
-        line(&mut out, &format!("combined_slip = {}", self.combined_slip), on);
-        out += TYRES;
-        for (section, tyre) in [("tyre_front", self.tyre_front), ("tyre_rear", self.tyre_rear)] {
-            let _ = writeln!(out, "[{section}]");
-            line(&mut out, &format!("b = {}", number(tyre.b)), "stiffness factor B [-], (0, inf)");
-            line(&mut out, &format!("c = {}", number(tyre.c)), "shape factor C [-], (0, inf)");
-            line(&mut out, &format!("mu = {}", number(tyre.mu)), "peak friction [-], (0, inf)");
-            if section == "tyre_front" {
-                out.push('\n');
-            }
-        }
         out
+    }
+
+    fn switches(&self, out: &mut String) {
+        *out += "\n# Equations.\n";
+        let on = "the force of steered front wheels along them turns the car";
+        line(out, &format!("front_force_yaw = {}", self.front_force_yaw), on);
+        let on = "longitudinal force takes from the lateral one (friction ellipse)";
+        line(out, &format!("combined_slip = {}", self.combined_slip), on);
     }
 }
 
@@ -180,5 +342,34 @@ mod tests {
             let read = CarParams::from_toml(&car.to_toml()).unwrap();
             assert_eq!(read, car);
         }
+    }
+
+    /// Fields of the struct by serde against the rows: neither has one that the other lacks.
+    #[test]
+    fn the_table_has_every_field_and_reaches_it() {
+        let mut car = CarParams::builtin("barc").unwrap();
+        for (i, key) in CAR_KEYS.iter().enumerate() {
+            (key.set)(&mut car, Some(1000.0 + i as f64));
+        }
+        let fields = toml::Table::try_from(&car).unwrap();
+        let mut found = 0;
+        for (field, value) in &fields {
+            let numbers: Vec<(String, f64)> = match value {
+                toml::Value::Float(number) => vec![(field.clone(), *number)],
+                toml::Value::Table(tyre) => tyre
+                    .iter()
+                    .map(|(part, number)| (format!("{field}.{part}"), number.as_float().unwrap()))
+                    .collect(),
+                toml::Value::Boolean(_) | toml::Value::String(_) => continue,
+                other => unreachable!("{field} = {other}"),
+            };
+            for (name, number) in numbers {
+                let place = CAR_KEYS.iter().position(|key| key.field == name).unwrap();
+                assert_eq!(number, 1000.0 + place as f64, "{name}");
+                assert_eq!((CAR_KEYS[place].get)(&car), Some(number), "{name}");
+                found += 1;
+            }
+        }
+        assert_eq!(found, CAR_KEYS.len());
     }
 }
