@@ -247,7 +247,7 @@ impl Rows {
             write(LANE, t, [problem.e_y_max[t], -problem.e_y_min[t]]);
             for (quantity, row, max) in [
                 (REAR, &problem.rear[t], problem.rear_max * problem.rear_share[t]),
-                (FRONT, &problem.front[t], problem.front_max),
+                (FRONT, &problem.front[t], problem.front_max * problem.front_share[t]),
             ] {
                 write(quantity, t, [max - row.offset, max + row.offset]);
             }
@@ -275,7 +275,7 @@ impl Rows {
             }
             write(LANE, t, problem.e_y_max[t] - problem.e_y_min[t]);
             write(REAR, t, 2.0 * problem.rear_max * problem.rear_share[t]);
-            write(FRONT, t, 2.0 * problem.front_max);
+            write(FRONT, t, 2.0 * problem.front_max * problem.front_share[t]);
             write(SPEED, t, problem.speed_max[t]);
         }
         lows.copy_from_slice(&highs[..lows.len()]);
