@@ -19,6 +19,10 @@ test:
 	tests/interop/closed_loop.sh
 	tests/interop/spy.sh
 	tests/interop/view.sh
+	tests/interop/slurm.sh
+	tests/interop/vehicles.sh
+	LMPC_DEB_BINARY=$${CARGO_TARGET_DIR:-target}/release/lmpc tools/deb.sh
+	LMPC_DEB_MOST=24000000 tests/interop/deb.sh
 	$(MAKE) fmu-test
 	python/test.sh
 
@@ -85,8 +89,9 @@ deb:
 deb-test: deb
 	tests/interop/deb.sh
 
-# The wheels of the Python package for Linux (x64 and ARM64, glibc 2.17 or newer), in out/wheels.
-wheel:
+# The wheels of the Python package for Linux (x64 and ARM64, glibc 2.17 or newer) with the FMUs inside, in
+# out/wheels.
+wheel: fmu
 	tools/setup.sh race fmu
 	tools/wheel.sh
 

@@ -9,6 +9,7 @@ tools/fmu_tools.sh python
 bin=$target/tools/python/bin
 wheels=$target/python
 rm -rf "$wheels"
+tools/wheel_fmus.sh
 PATH=$bin:$PATH maturin build --quiet --locked --release --compatibility linux \
     --manifest-path python/Cargo.toml --interpreter "$bin/python" --out "$wheels"
 "$bin/pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl

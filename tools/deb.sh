@@ -28,7 +28,7 @@ export SOURCE_DATE_EPOCH
 put() { # file, place
     install -D -m 644 "$1" "$root/$2"
 }
-install -D -m 755 "$LMPC_DEB_BINARY" "$root/usr/bin/lmpc"
+install -D -s -m 755 "$LMPC_DEB_BINARY" "$root/usr/bin/lmpc"
 lmpc=$root/usr/bin/lmpc
 put "$source/bridge.env" etc/lmpc/bridge.env
 put "$source/sysusers.conf" usr/lib/sysusers.d/lmpc.conf

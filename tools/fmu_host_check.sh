@@ -29,7 +29,7 @@ export WINEDEBUG=-all WINEPREFIX="$PWD/$work/wine"
 case $work in /*) WINEPREFIX=$work/wine ;; esac
 
 small() { # library: below 4.5 MiB, no path of this machine
-    [ "$(stat -c %s "$1")" -lt 4718592 ] || fail "$1: larger than 4.5 MiB"
+    [ "$(stat -c %s "$1")" -lt 4718592 ] || fail "$1: $(stat -c %s "$1") bytes, more than 4.5 MiB"
     if strings -a "$1" | grep -F -e "$PWD" -e "$HOME/"; then fail "$1: a path of this machine"; fi
 }
 
@@ -87,10 +87,20 @@ for state in nearest up trap flush; do
     found=$(race race-static - $state)
     [ "$found" = "$expected" ] || fail "static library, host's state $state: $found, FMU: $expected"
 done
-"$work/example" > /dev/null
-code=0
+# Valgrind (3.19) does not know one form of `vmovq`, which the compiler chooses in code for AVX2. It
+# runs a copy that takes the processor for one without AVX2: the byte in which pulp keeps the answer
+# is 0 (no) from the start, instead of 255 (not asked yet). The copy prints what the original does.
+plain=$work/example-plain
+cp "$work/example" "$plain"
+address=$(nm "$plain" | sed -n 's/ D .*v32V3.*__static_available9AVAILABLE.*//p')
+[ -n "$address" ] || fail "static library: pulp's answer on AVX2 is not found"
+section=$(objdump -h "$plain" | awk '$2 == ".data" { print "0x" $4, "0x" $6 }')
+offset=$((0x$address - ${section% *} + ${section#* }))
+[ "$(od -An -tu1 -j $offset -N 1 "$plain" | tr -d ' ')" = 255 ] ||
+    fail "static library: pulp's answer on AVX2 is not 255 at first"
+printf '\0' | dd of="$plain" bs=1 seek=$offset conv=notrunc status=none
+"$work/example" > "$work/example.txt"
 valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
-    "$work/example" || code=$?
-# 132: Valgrind 3.19 does not know one form of `vmovq`, which the compiler may choose.
-[ $code = 0 ] || [ $code = 132 ] || fail "static library: Valgrind ended with $code"
-echo "static library: $expected (hash, learned steps, laps of 400 steps), as the FMU; Valgrind ended with $code"
+    "$plain" > "$work/example-plain.txt"
+cmp "$work/example.txt" "$work/example-plain.txt"
+echo "static library: $expected (hash, learned steps, laps of 400 steps), as the FMU; no leak

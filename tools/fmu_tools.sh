@@ -10,7 +10,7 @@ for name in ${*:-fmpy ecos cosim pathsim ssp toolbox cofmupy}; do
     case $name in
         zig) packages="ziglang==0.17.1 cargo-zigbuild==0.24.1" ;;
         python) packages="maturin==1.16.0 numpy==2.4.6 gymnasium==1.4.0 pytest==9.2.0 mypy==2.4.1 matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 distributed==2026.8.0 ray==2.60.0 optuna==5.0.0 fmpy==0.3.32 pyarrow==26.0.1" ;;
-        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 matplotlib==3.11.2" ;;
+        fmpy) packages="fmpy==0.3.32 pythonfmu==0.7.0 pythonfmu3==0.3.4 numpy==2.2.6 matplotlib==3.11.2" ;;
         ecos) packages="ecospy==0.7.2" ;;
         cosim) packages="libcosimpy==0.0.6" ;;
         pathsim) packages="pathsim-fmi==0.1.1" ;;

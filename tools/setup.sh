@@ -32,6 +32,8 @@ for job in "$@"; do
         need imagemagick "takes the picture of that screen" "command -v import && command -v convert"
         need valgrind "counts the instructions of a control step" "command -v valgrind"
         need chromium "lays out the verdict of a bench and opens the live view" "command -v chromium || command -v chromium-browser || command -v google-chrome"
+        need slurm-wlm "runs a campaign as an array of jobs" "PATH=\$PATH:/usr/sbin; command -v slurmctld && command -v slurmd && command -v sbatch"
+        need munge "lets the parts of Slurm know each other" "PATH=\$PATH:/usr/sbin; command -v munged"
         need util-linux "makes those namespaces" "command -v unshare"
         need python3-venv "the official Python package of LCM goes in a venv" "python3 -c 'import ensurepip'"
         ;;

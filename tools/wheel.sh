@@ -5,6 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . tools/zig.sh
 tools/fmu_tools.sh python
+tools/wheel_fmus.sh
 maturin=$(cd "${CARGO_TARGET_DIR:-target}/tools/python/bin" && pwd)/maturin
 
 cargo_home=${CARGO_HOME:-$HOME/.cargo}
@@ -23,4 +24,6 @@ for machine in ${*:-x86_64 aarch64}; do
         python3 -m zipfile -e "$wheel" "$looked/$machine"
     done
     tools/glibc_floor.sh "$GLIBC" "$looked/$machine"/racing_lmpc/*.so
+    [ "$(find "$looked/$machine/racing_lmpc/fmu_files" -name "*.fmu" | wc -l)" = 4 ] ||
+        { echo "the wheel for $machine has no four FMUs" >&2; exit 1; }
 done

@@ -40,6 +40,8 @@ const FASTEST: f64 = 150.0;
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
 /// against.
 const GROWTH: f64 = 0.35;
+/// Top speed on the racing line over that on the centre line, at most.
+const RACING_LINE: f64 = 1.25;
 /// Horizon at most.
 const MOST: usize = 100;
 
@@ -79,7 +81,7 @@ impl Config {
         if preset == Preset::Race {
             let lap = PointMass::new(car, track);
             let substep = config.horizon.period / config.horizon.substeps as f64;
-            let wanted = GROWTH / instability(car, lap.top).max(1e-6);
+            let wanted = GROWTH / instability(car, RACING_LINE * lap.top).max(1e-6);
             // Whole milliseconds: hosts step in them.
             let period = (1e3 * wanted).floor().max(10.0) / 1e3;
             config.horizon.period = period.min(config.horizon.period);
@@ -113,22 +115,25 @@ impl Config {
             *weight /= scale * scale;
         }
 
-        // Costs count steps of the sampling period: a longer time scale makes each worth less.
+        // Costs are in steps. One of each stage comes as often as the steps of the lap time it is weighed
+        // against, whatever the period; the terminal slack comes once.
+        let each = own.time / reference.time;
+        let rate = each * each * each;
         let cost = &mut self.cost;
-        cost.input_acceleration *= time / (acceleration * acceleration);
-        cost.input *= time;
-        cost.acceleration_rate *= time * time / (acceleration * acceleration) * time;
-        cost.gentle_start *= time * time / (acceleration * acceleration) * time;
-        cost.steering_rate *= time * time * time;
-        cost.steering_rate_floor *= time * time * time;
+        cost.input_acceleration *= each / (acceleration * acceleration);
+        cost.input *= each;
+        cost.acceleration_rate *= rate / (acceleration * acceleration);
+        cost.gentle_start *= rate / (acceleration * acceleration);
+        cost.steering_rate *= rate;
+        cost.steering_rate_floor *= rate;
         let state = [speed, speed, speed / length, 1.0, length, length];
         for (weight, scale) in cost.terminal_slack.iter_mut().zip(state) {
             *weight *= time / (scale * scale);
         }
-        cost.lane_linear *= time / length;
-        cost.lane_quadratic *= time / (length * length);
-        cost.slip *= time;
-        cost.speed *= time / speed;
+        cost.lane_linear *= each / length;
+        cost.lane_quadratic *= each / (length * length);
+        cost.slip *= each;
+        cost.speed *= each / speed;
 
         let limits = &mut self.limits;
         limits.lane_margin = 0.5 * car.width + reserve(car, lap, self.horizon.period);

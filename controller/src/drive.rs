@@ -13,6 +13,15 @@ use crate::status::{Action, Phase, Probe, Reason, Status};
 /// Speed below which a car stands, in speeds sqrt(mu g l).
 const STANDING_SHARE: f64 = 0.17;
 
+/// Share of the driven speed below which a car is far slower than before.
+const FAR_SLOWER: f64 = 0.5;
+
+/// Share of the drive with which such a car is taken to speed up again.
+const RUN_UP: f64 = 0.7;
+
+/// Share of the way of the driven laps in one period below which the end of a plan stays where it is.
+const STILL: f64 = 0.25;
+
 impl Controller {
     /// Drives from a believed state.
     pub(crate) fn drive(
@@ -136,7 +145,21 @@ impl Controller {
         status.front_slip_slack = greatest(&slacks.front);
         status.rear_slip_slack = greatest(&slacks.rear);
         status.speed_slack = greatest(&slacks.speed);
-        self.memory.plan.u[0]
+        let input = self.memory.plan.u[0];
+        if self.waits(x) {
+            // Planned anew from the car's own speed, the end lies where the car can get.
+            self.memory.drop_plan();
+        }
+        input
+    }
+
+    /// Whether a car far slower than it has been here has a plan whose end does not move on.
+    ///
+    /// A terminal state that the car cannot reach in the time of the horizon, but could later, makes it wait:
+    /// a step lost costs no more at the horizon's end than now. The plan's end then stays in one place, and
+    /// the car stops short of it.
+    fn waits(&self, x: &State) -> bool {
+        x.v_x < FAR_SLOWER * self.former_speed(x.s) && self.work.progress() < STILL
     }
 
     /// No solution: the shifted plan while it is young, then tracking, then braking.
@@ -230,24 +253,48 @@ impl Controller {
         x
     }
 
-    /// A trajectory to linearise about where no plan exists: tracking at the present speed.
+    /// A trajectory to linearise about where no plan exists: tracking at the present speed or, as bends
+    /// allow, that of the driven laps.
     fn first_plan(&mut self, x_0: &State) {
-        let memory = &mut self.memory;
+        let reach = self.reach(x_0);
+        let slowest = x_0.v_x.max(self.setup.config.warm_up.speed);
         let mut x = *x_0;
-        memory.plan.clear();
-        memory.plan.x.push(x);
+        let mut plan = std::mem::take(&mut self.memory.plan);
+        plan.clear();
+        plan.x.push(x);
         for _ in 0..self.setup.config.horizon.steps {
-            let u = self.setup.tracker.track(
-                &x,
-                &self.setup.track,
-                x_0.v_x.max(self.setup.config.warm_up.speed),
-            );
+            let speed = slowest.max(self.former_speed(x.s));
+            let u = self.setup.tracker.track(&x, &self.setup.track, speed);
             x = self.setup.model.next(&x, &u, self.setup.track.road());
-            memory.plan.u.push(u);
-            memory.plan.x.push(x);
-            memory.plan_tail = u;
+            plan.u.push(u);
+            plan.x.push(x);
+            self.memory.plan_tail = u;
         }
-        memory.query_s = x.s;
-        memory.shifted = true;
+        self.memory.plan = plan;
+        self.memory.query_s = x.s.max(reach);
+        self.memory.shifted = true;
+    }
+
+    /// Greatest speed of the driven laps at s, below the speed cap; 0 where it is not known \[m/s\].
+    fn former_speed(&self, s: f64) -> f64 {
+        let driven = self.memory.derived.envelope.driven_at(s);
+        if driven.is_finite() { driven.min(self.work.speed_cap()) } else { 0.0 }
+    }
+
+    /// Where a car that is far slower than it was here gets within the horizon if it drives on to its former
+    /// speed \[m\]; else its own place. An end of the plan that is nearer asks for a run-up, and the car
+    /// would brake for it.
+    fn reach(&self, x_0: &State) -> f64 {
+        let (mut s, mut v) = (x_0.s, x_0.v_x);
+        if v >= FAR_SLOWER * self.former_speed(s) {
+            return s;
+        }
+        let horizon = &self.setup.config.horizon;
+        let gained = RUN_UP * self.setup.car.a_max * horizon.period;
+        for _ in 0..horizon.steps {
+            v = (v + gained).min(self.former_speed(s));
+            s += v * horizon.period;
+        }
+        s
     }
 }

@@ -18,6 +18,36 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     rest.fold(total(sums), |sum, (a, b)| sum + a * b)
 }
 
+/// Inner products of one vector with several at once, which are no shorter.
+#[inline(always)]
+pub(crate) fn dots<const K: usize>(a: &[f64], columns: [&[f64]; K]) -> [f64; K] {
+    const NARROW: usize = 4;
+    let (blocks, rest) = a.as_chunks::<NARROW>();
+    let (mut blocks_of, mut rest_of) = ([&[][..]; K], [&[][..]; K]);
+    for k in 0..K {
+        let (blocks_k, rest_k) = columns[k][..a.len()].as_chunks::<NARROW>();
+        blocks_of[k] = &blocks_k[..blocks.len()];
+        rest_of[k] = rest_k;
+    }
+    let mut sums = [[0.0; NARROW]; K];
+    for (at, a) in blocks.iter().enumerate() {
+        for k in 0..K {
+            let (mut sum, b) = (sums[k], blocks_of[k][at]);
+            for l in 0..NARROW {
+                sum[l] += a[l] * b[l];
+            }
+            sums[k] = sum;
+        }
+    }
+    let mut found = [0.0; K];
+    for k in 0..K {
+        let [a, b, c, d] = sums[k];
+        let rest = rest.iter().zip(rest_of[k]);
+        found[k] = rest.fold((a + c) + (b + d), |sum, (a, b)| sum + a * b);
+    }
+    found
+}
+
 /// Sum.
 #[inline(always)]
 pub(crate) fn sum(values: &[f64]) -> f64 {

@@ -56,6 +56,7 @@ mod drive;
 mod error;
 pub mod fhocp;
 mod filter;
+mod lane;
 mod lanes;
 mod lap_end;
 mod learn;

@@ -7,6 +7,7 @@ use crate::affine::Affine;
 use crate::config::Config;
 use crate::controller::Setup;
 use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
+use crate::lane;
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
 use crate::learning::safe_set::{Query, SafeSet};
@@ -21,13 +22,8 @@ const CAP_BRAKE: f64 = 0.5;
 /// Share of the brakes with which a plan slows down where the road is slippery.
 const ROAD_BRAKE: f64 = 0.5;
 
-/// Standard deviations of the estimated place of the body that the lane is narrower on each side.
-const UNSURE: f64 = 2.0;
-/// Most that it is narrower, as a share of the track's width.
-const NARROWED: f64 = 0.1;
-
-/// Heading error beyond which a plan is no help to keep the body inside [rad].
-const ACROSS: f64 = 0.5;
+/// Share of the horizon in which the reserve of the slip guards grows to its full size.
+const RESERVED: f64 = 1.0 / 3.0;
 
 /// Cost of a solution, in steps.
 pub(crate) struct Cost {
@@ -59,6 +55,7 @@ pub(crate) struct Workspace {
     /// On the heap: a controller is moved while it is made, and a host's stack may be small.
     pub(crate) solver: Box<Solver>,
     pub(crate) slacks: Slacks,
+    progress: f64,
     pub(crate) safe_set: SafeSet,
     pub(crate) supports: Vec<f64>,
     pub(crate) scratch: Scratch,
@@ -107,11 +104,17 @@ impl Workspace {
             measured: None,
             solver: Box::new(Solver::new(config.solver.clone())),
             slacks: Slacks::default(),
+            progress: 1.0,
             safe_set: SafeSet::default(),
             supports: Vec::with_capacity(n),
             scratch: Scratch::new(&config.regression, n),
             probe: model.clone(),
         }
+    }
+
+    /// How far the end of the plan moved on in the last step, as a share of what the driven laps moved on there.
+    pub(crate) fn progress(&self) -> f64 {
+        self.progress
     }
 
     pub(crate) fn problem(&self) -> &Fhocp {
@@ -178,7 +181,7 @@ impl Workspace {
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         self.points.clear();
-        let unsure = unsure(setup, memory);
+        let unsure = lane::unsure(setup, memory);
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
@@ -191,17 +194,15 @@ impl Workspace {
             self.problem.rear[t] = slip::rear(&setup.car, next);
             let row = &mut self.problem.rear[t];
             row.weight = dissipation.weight(next.v_x, 1, row.reference);
-            if setup.config.limits.rear_load {
-                self.problem.rear_share[t] = slip::rear_share(&setup.car, next.v_x, u.a);
-            }
-            let (left, right) = (setup.track.width_left(next.s), setup.track.width_right(next.s));
-            let margin = setup.config.limits.lane_margin + unsure.min(NARROWED * (left + right));
-            let [left, right] = match &self.outline {
-                Some(outline) => room(outline, &setup.track, next),
-                None => [left, right],
-            };
-            self.problem.e_y_max[t] = left - margin;
-            self.problem.e_y_min[t] = margin - right;
+            // What is near may use all of it: a plan that runs wide is corrected at once.
+            let far = (t as f64 / (RESERVED * setup.config.horizon.steps as f64)).min(1.0);
+            let share = 1.0 - setup.config.limits.slip_reserve * far;
+            let rear_load = setup.config.limits.rear_load;
+            let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
+            self.problem.front_share[t] = share;
+            self.problem.rear_share[t] = share * load;
+            let lane = lane::bounds(setup, self.outline.as_ref(), next, unsure);
+            [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
         self.bound_speed(setup, memory);
         let stages = &mut self.problem.model;
@@ -251,6 +252,9 @@ impl Workspace {
                 learned_model::error(data, config, t, (x, acting), &mut self.scratch);
             let model = &mut self.problem.model[t];
             *model = *model + error;
+            // The problem knows the mean of positions alone.
+            let ramp = setup.actuators.on_the_way(before(memory, t), memory.plan.u[t]);
+            model.c += model.b * ramp.to_vector();
             self.supports.push(support);
         }
     }
@@ -292,23 +296,25 @@ impl Workspace {
         report
     }
 
-    fn store(&self, memory: &mut Memory) {
-        let (share, far) = (self.step_length(), self.far());
+    fn store(&mut self, memory: &mut Memory) {
+        let (step, far) = (self.step_length(), self.far());
         let plan = &mut memory.plan;
         for (t, (ours, x)) in plan.x.iter_mut().zip(&self.solution.x).enumerate() {
             let mut x = *x;
             x[4] += self.origin;
             if t > far {
-                x = ours.to_vector().lerp(&x, share);
+                x = ours.to_vector().lerp(&x, step);
             }
             *ours = State::from_vector(&x);
         }
         for (t, (ours, u)) in plan.u.iter_mut().zip(&self.solution.u).enumerate() {
-            let u = if t > far { ours.to_vector().lerp(u, share) } else { *u };
+            let u = if t > far { ours.to_vector().lerp(u, step) } else { *u };
             *ours = Input::from_vector(&u);
         }
         memory.plan_age = 0;
-        memory.query_s = self.safe_set.successor(&self.solution.lambda);
+        let query_s = self.safe_set.successor(&self.solution.lambda);
+        self.progress = (query_s - memory.query_s) / self.safe_set.advance();
+        memory.query_s = query_s;
         memory.plan_tail = Input::from_vector(&self.safe_set.input(&self.solution.lambda));
     }
 
@@ -355,21 +361,6 @@ impl Workspace {
         let (error, support) = learned_model::error(data, &setup.regression, 0, (x, u), scratch);
         LearnedModel { nominal, error, support }
     }
-}
-
-/// Room beside the body that the estimate of the pose asks for \[m\].
-fn unsure(setup: &Setup, memory: &Memory) -> f64 {
-    let Some(p) = memory.estimate.covariance() else { return 0.0 };
-    let reach = 0.5 * setup.car.length;
-    UNSURE * (p[(5, 5)] + reach * reach * p[(3, 3)]).max(0.0).sqrt()
-}
-
-/// Room on either side of the centre line for the centre of gravity of a car that stands along it, which
-/// leaves the body as far from the edges as that of `x` is \[m\].
-fn room(outline: &Outline, track: &Track, x: &State) -> [f64; 2] {
-    let e_psi = x.e_psi.clamp(-ACROSS, ACROSS);
-    let [left, right] = outline.overhangs(track, &State { e_psi, ..*x });
-    [x.e_y - left, -x.e_y - right].map(|room| room + outline.half_width)
 }
 
 /// The planned input before stage `t`.

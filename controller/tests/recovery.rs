@@ -121,6 +121,30 @@ fn random_poses(car: &CarParams, track: Track, seed: u64) {
     }
 }
 
+/// A car that stands where it was fast before drives on to the speed it had there: its plan does not wait for
+/// an end that it cannot reach.
+#[test]
+fn a_car_that_stands_on_a_straight_drives_on() {
+    let car = CarParams::builtin("f1tenth").unwrap();
+    let mut racer = Racer::new(&car, Track::builtin("l").unwrap(), 8);
+    let (state, steps) = (racer.controller.state(), racer.steps);
+    let length = racer.controller.track().length();
+    for n in 0..10 {
+        let s = length * f64::from(n) / 10.0;
+        racer.put(&state, steps, State { v_x: 0.05, s, ..State::default() });
+        let began = racer.steps;
+        let fast = |racer: &Racer| {
+            let x = racer.plant.truth();
+            x.v_x > 0.7 * local_speed(&racer.controller, racer.controller.track().wrap(x.s))
+        };
+        while !fast(&racer) {
+            racer.step();
+            let took = f64::from(racer.steps - began) * racer.period;
+            assert!(took < 5.0, "from {s}: {:?}", racer.plant.truth());
+        }
+    }
+}
+
 fn barc() -> CarParams {
     CarParams::builtin("barc").unwrap()
 }

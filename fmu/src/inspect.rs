@@ -45,6 +45,8 @@ pub struct VariableRow {
     pub max: String,
     /// What it is.
     pub description: String,
+    /// Sizes of an array of FMI 3.0, as at the start; none for a scalar.
+    pub dimensions: Vec<usize>,
 }
 
 /// Looks into an FMU of either version.
@@ -79,7 +81,19 @@ fn variables(root: Node<'_, '_>) -> Vec<VariableRow> {
     let child = |name: &str| root.children().find(|n| n.has_tag_name(name));
     let types = child("TypeDefinitions");
     let all = child("ModelVariables").into_iter().flat_map(|n| n.children());
-    all.filter(Node::is_element).map(|n| row(n, types)).collect()
+    let mut rows: Vec<VariableRow> =
+        all.clone().filter(Node::is_element).map(|n| row(n, types)).collect();
+    // A size may be that of a structural parameter.
+    for (i, variable) in all.filter(Node::is_element).enumerate() {
+        let sizes = variable.children().filter(|n| n.has_tag_name("Dimension")).map(|size| {
+            let named = size.attribute("valueReference");
+            let of = |row: &&VariableRow| Some(row.value_reference.as_str()) == named;
+            let start = rows.iter().find(of).map(|row| row.start.as_str());
+            size.attribute("start").or(start).and_then(|start| start.parse().ok()).unwrap_or(0)
+        });
+        rows[i].dimensions = sizes.collect();
+    }
+    rows
 }
 
 fn row(variable: Node<'_, '_>, types: Option<Node<'_, '_>>) -> VariableRow {
@@ -114,5 +128,6 @@ fn row(variable: Node<'_, '_>, types: Option<Node<'_, '_>>) -> VariableRow {
         min: inherited("min"),
         max: inherited("max"),
         description: of(variable, "description"),
+        dimensions: Vec::new(),
     }
 }

@@ -36,6 +36,7 @@ from ._native import (
     optimum,
     race,
 )
+from .packed import fmu_path
 
 __all__ = [
     "Campaign",
@@ -64,6 +65,7 @@ __all__ = [
     "Track",
     "TrackError",
     "__version__",
+    "fmu_path",
     "optimum",
     "race",
 ]

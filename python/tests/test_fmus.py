@@ -1,21 +1,33 @@
-"""Campaigns over a pair of FMUs. They need FMPy and the FMUs of ``make fmu``, or of LMPC_FMUS."""
+"""The FMUs of the wheel, and campaigns over a pair of them. They need FMPy."""
 
-import os
-import pathlib
+import zipfile
 
 import pytest
 
 import racing_lmpc as lmpc
 from racing_lmpc import engines, fmus
 
-FOLDER = pathlib.Path(os.environ.get("LMPC_FMUS", pathlib.Path(__file__).parents[2] / "out" / "fmu"))
-CONTROLLER = FOLDER / "fmi3" / "lmpc-controller.fmu"
-VEHICLE = FOLDER / "fmi3" / "lmpc-vehicle.fmu"
-assert CONTROLLER.exists(), f"no {CONTROLLER}: make fmu"
+CONTROLLER = lmpc.fmu_path("controller")
+VEHICLE = lmpc.fmu_path("vehicle")
 
 
 def pair(**more):
     return fmus.Pair(str(CONTROLLER), str(VEHICLE), duration=45.0, **more)
+
+
+@pytest.mark.parametrize("name", ["controller", "vehicle"])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_wheel_brings_fmus(name, fmi):
+    path = lmpc.fmu_path(name, fmi)
+    text = zipfile.ZipFile(path).read("modelDescription.xml").decode()
+    assert f'fmiVersion="{fmi}.0"' in text and f'modelIdentifier="lmpc_{name}"' in text
+
+
+def test_other_fmus_are_refused():
+    with pytest.raises(ValueError, match="'controller' or 'vehicle'"):
+        lmpc.fmu_path("car")
+    with pytest.raises(ValueError, match="expected 2 or 3"):
+        lmpc.fmu_path("vehicle", 1)
 
 
 def test_processes_and_one_process_give_the_same_rows():
@@ -35,7 +47,7 @@ def test_processes_and_one_process_give_the_same_rows():
 
 def test_versions_of_fmi_mix():
     three, two = pair(), pair()
-    two = fmus.Pair(str(FOLDER / "fmi2" / "lmpc-controller.fmu"), two.vehicle, duration=45.0)
+    two = fmus.Pair(str(lmpc.fmu_path("controller", 2)), two.vehicle, duration=45.0)
     assert fmus.race(two)["lap_times_s"] == fmus.race(three)["lap_times_s"]
 
 

@@ -167,19 +167,29 @@ impl Discretized {
         }
     }
 
-    /// Velocity rows jump to their new values, with gravity along the car at the start of the step;
-    /// pose rows are integrated along the velocities of the pose convention.
+    /// Acceleration of the kinematic model over a control step, with gravity along the car at its
+    /// start, and the velocities after it.
+    #[inline(always)]
+    fn kinematic_velocities<T: Number>(
+        &self,
+        x: &[T; NX],
+        u: &Held<T>,
+        road: &dyn Road,
+    ) -> (T, [T; 3]) {
+        let (v, pose) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
+        let below =
+            (!road.is_flat()).then(|| ground(&Terrain::new(road, x[4].real()), &v, &pose).1);
+        let a = self.model.kinematic_rate(x[0], u, below.as_ref());
+        (a, self.model.rolling_velocities(x[0] + a * self.dt, u))
+    }
+
+    /// Velocity rows jump to their new values; pose rows are integrated along the velocities of the
+    /// pose convention.
     #[inline(always)]
     fn kinematic_step<T: Number>(&self, x: &[T; NX], u: &Held<T>, road: &dyn Road) -> [T; NX] {
         let (substeps, h) = self.grid();
         let (measured, start) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
-        let on_road = |v: &[T; 3], pose: &[T; 3]| {
-            let terrain = Terrain::new(road, pose[1].real());
-            ground(&terrain, v, pose)
-        };
-        let below = (!road.is_flat()).then(|| on_road(&measured, &start).1);
-        let a = self.model.kinematic_rate(x[0], u, below.as_ref());
-        let reached = self.model.rolling_velocities(x[0] + a * self.dt, u);
+        let (a, reached) = self.kinematic_velocities(x, u, road);
         let per_dt = 1.0 / self.dt;
         let velocities = |t: f64| match self.model.pose {
             PoseConvention::Held => measured,
@@ -198,7 +208,7 @@ impl Discretized {
                 if road.is_flat() {
                     return pose_rates(&v, pose, pose[1].real().map(|s| road.kappa(s)));
                 }
-                on_road(&v, pose).0
+                ground(&Terrain::new(road, pose[1].real()), &v, pose).0
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]

@@ -1,12 +1,16 @@
 //! The body of a car seen from above: a rectangle, and how far it reaches across the track.
 //!
 //! [`Outline::overhang`] projects points of the body onto the centre line and compares each with the edge
-//! at its own place: exact on any track, for plans and for judging what was driven. The tests compare it
-//! with a closed form.
+//! at its own place: exact on any track, for plans and for judging what was driven. Around a body on a straight or
+//! an arc with even edges a closed form gives the same.
 
 use crate::params::CarParams;
 use crate::state::State;
 use crate::track::Track;
+
+/// How far from the foot of the centre of gravity those of the body may lie for the closed form, in
+/// lengths of the body.
+const AROUND: f64 = 2.0;
 
 /// A rectangle around the centre of gravity, in the frame of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +60,35 @@ impl Outline {
     /// [`Outline::overhang`] beyond the left edge and beyond the right edge \[m\].
     #[must_use]
     pub fn overhangs(&self, track: &Track, x: &State) -> [f64; 2] {
+        self.overhangs_on_a_circle(track, x).unwrap_or_else(|| self.projected_overhangs(track, x))
+    }
+
+    /// [`Outline::overhangs`] in closed form where road and edges are even around the body.
+    fn overhangs_on_a_circle(&self, track: &Track, x: &State) -> Option<[f64; 2]> {
+        let length = libm::hypot(self.front.max(self.rear), self.half_width);
+        let (kappa, width) = track.even_around(x.s, AROUND * length)?;
+        let (sin, cos) = libm::sincos(x.e_psi);
+        let nearest = self.nearest_points(kappa, x.e_psi, x.e_y);
+        let points = self.corners().into_iter().chain(nearest.into_iter().flatten());
+        let mut reach = [f64::NEG_INFINITY, f64::INFINITY];
+        for (forward, left) in points {
+            let (t, n) = (forward * cos - left * sin, x.e_y + forward * sin + left * cos);
+            let (along, across) = (kappa * t, 1.0 - kappa * n);
+            // Its foot is nearer than t / across.
+            if across * AROUND < 1.0 {
+                return None;
+            }
+            let h = (along * along + across * across).sqrt();
+            let e_y = (2.0 * n - kappa * (t * t + n * n)) / (1.0 + h);
+            reach = [reach[0].max(e_y), reach[1].min(e_y)];
+        }
+        let found = [reach[0] - width[0], -reach[1] - width[1]];
+        // Farther off the foot may be on another part of the track.
+        (found[0].max(found[1]) < length).then_some(found)
+    }
+
+    /// [`Outline::overhangs`] by projection.
+    fn projected_overhangs(&self, track: &Track, x: &State) -> [f64; 2] {
         let centre = track.to_global(x);
         let (sin, cos) = libm::sincos(centre.psi);
         let beyond = |(forward, left): (f64, f64)| {

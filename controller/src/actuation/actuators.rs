@@ -16,6 +16,14 @@
 //!
 //! so that stage t of the optimal control problem depends on u_{t-1} too.
 //!
+//! Without lag, an actuator of limited rate r is on its way for |p(dt) - p| / r of the period, which takes
+//!
+//! ```text
+//! (p(dt) - p) |p(dt) - p| / (2 r dt)
+//! ```
+//!
+//! from its mean. The optimal control problem takes this from the plan it is linearised along.
+//!
 //! A delay of whole periods is a queue. With a fraction phi of a period more, the period of stage t
 //! holds the end of the way to u_{t-1} and the beginning of that to u_t:
 //!
@@ -43,6 +51,8 @@ pub(crate) struct Actuators {
     beta: f64,
     /// Whole periods that what is decided on waits in the queue.
     periods: usize,
+    /// 1 / (2 r dt) of each input; 0 for a rate without limit or with lag.
+    ramp: Input,
     least: Input,
     most: Input,
 }
@@ -71,10 +81,15 @@ impl Actuators {
             late += more;
             beta = 1.0 - (mean - more);
         }
+        let ramp = |rate: Option<f64>| match rate {
+            Some(rate) if lag <= 0.0 => 0.5 / (rate * dt),
+            _ => 0.0,
+        };
         Self {
             share,
             beta,
             periods: late as usize,
+            ramp: Input { a: ramp(car.a_rate_max), delta: ramp(car.delta_rate_max) },
             least: Input { a: car.a_min, delta: -car.delta_max },
             most: Input { a: car.a_max, delta: car.delta_max },
         }
@@ -100,7 +115,17 @@ impl Actuators {
     /// Mean input of a period that leads from one position to another.
     pub(crate) fn mean(&self, from: Input, to: Input) -> Input {
         let mean = |from: f64, to: f64| (1.0 - self.beta) * from + self.beta * to;
-        Input { a: mean(from.a, to.a), delta: mean(from.delta, to.delta) }
+        let ramp = self.on_the_way(from, to);
+        Input { a: mean(from.a, to.a) + ramp.a, delta: mean(from.delta, to.delta) + ramp.delta }
+    }
+
+    /// What a limited rate adds to the mean.
+    pub(crate) fn on_the_way(&self, from: Input, to: Input) -> Input {
+        let ramp = |from: f64, to: f64, ramp: f64| -ramp * (to - from) * (to - from).abs();
+        Input {
+            a: ramp(from.a, to.a, self.ramp.a),
+            delta: ramp(from.delta, to.delta, self.ramp.delta),
+        }
     }
 
     /// Whole periods of the queue.
@@ -163,6 +188,22 @@ mod tests {
             let mean = actuators.mean(input(from), input(to)).a;
             assert!((mean - exact).abs() < 1e-4, "{delay} {lag}: {mean} {exact}");
             assert!((-NEARLY..1.0 - NEARLY).contains(&actuators.carried()), "{delay} {lag}");
+        }
+    }
+
+    #[test]
+    fn the_mean_of_a_limited_rate_agrees_with_integration() {
+        let (rate, dt, steps) = (1.5, 0.1, 20_000);
+        let car = CarParams { delta_rate_max: Some(rate), ..CarParams::builtin("barc").unwrap() };
+        let actuators = Actuators::new(&car, dt, Response::default());
+        let h = dt / f64::from(steps);
+        for (from, to) in [(0.02, 0.1), (0.1, -0.05), (-0.03, -0.03)] {
+            let way: f64 = to - from;
+            let at = |i: u32| from + way.signum() * way.abs().min(rate * (f64::from(i) + 0.5) * h);
+            let exact = (0..steps).map(at).sum::<f64>() / f64::from(steps);
+            let input = |delta: f64| Input { a: 0.0, delta };
+            let mean = actuators.mean(input(from), input(to)).delta;
+            assert!((mean - exact).abs() < 1e-6, "{from} {to}: {mean} {exact}");
         }
     }
 

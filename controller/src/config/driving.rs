@@ -80,6 +80,9 @@ section! {
     steering_reserve "steering_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
     /// Share of the brakes that plans leave free after their first stage.
     brake_reserve "brake_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
+    /// Share of the slip guards that plans leave free beyond the first third of the horizon, and less of
+    /// it before: what a car that runs wide has left to correct its line with.
+    slip_reserve "slip_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
     /// Whether a braking car has only that share of the rear guard that is left of the rear load.
     rear_load "rear_load": bool, symbol "", unit "", range (), from preset;
     /// Speed cap; 0 switches it off.

@@ -263,14 +263,18 @@ fn front_rows<E: Entries>(
     for sign in [1.0, -1.0] {
         if t == 0 {
             let known = row.angle(&problem.x_0, 0.0);
-            rows.soft(&[(delta, sign * row.steering)], slack, problem.front_max - sign * known);
+            rows.soft(
+                &[(delta, sign * row.steering)],
+                slack,
+                problem.front_max * problem.front_share[t] - sign * known,
+            );
         } else {
             for (variable, value) in velocities(row, shape.x(t), sign) {
                 rows.a(variable, value);
             }
             rows.a(delta, sign * row.steering);
             rows.a(slack, -1.0);
-            rows.end(problem.front_max - sign * row.offset);
+            rows.end(problem.front_max * problem.front_share[t] - sign * row.offset);
         }
     }
 }

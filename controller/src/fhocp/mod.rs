@@ -9,7 +9,7 @@
 //!            u_min <= u_0 <= u_max,   u_min + r_min <= u_t <= u_max - r_max   t = 1..N-1
 //!            |u_t - u_{t-1}| <= du_max                            t = 0..N-1
 //!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
-//!            |alpha_f(x_t, u_t)| <= front_max + f_t               t = 0..N-1
+//!            |alpha_f(x_t, u_t)| <= front_max share_t + f_t       t = 0..N-1
 //!            |alpha_r(x_t)| <= rear_max share_t + g_t                     t = 1..N
 //!            v_x(x_t) <= speed_max_t + p_t                        t = 1..N
 //!            x_N = X lambda + e,  lambda >= 0,  1' lambda = 1,  slacks >= 0
@@ -112,6 +112,8 @@ pub struct Fhocp {
     pub rear_max: f64,
     /// Share of `rear_max` that bounds stage t + 1, N.
     pub rear_share: Vec<f64>,
+    /// Share of `front_max` that bounds stage t, N.
+    pub front_share: Vec<f64>,
     /// Linear weight of the slip slacks.
     pub slip_linear: f64,
     /// Greatest v_x of stage t + 1, N; all infinite for none [m/s].
@@ -150,6 +152,7 @@ impl Fhocp {
             front_max: f64::INFINITY,
             rear_max: f64::INFINITY,
             rear_share: vec![1.0; horizon],
+            front_share: vec![1.0; horizon],
             slip_linear: 0.0,
             speed_max: vec![f64::INFINITY; horizon],
             speed_linear: 0.0,

@@ -35,7 +35,8 @@ impl Slacks {
             let delta = solution.u[t][1];
             let e_y = next[5];
             self.lane.push((problem.e_y_min[t] - e_y).max(e_y - problem.e_y_max[t]).max(0.0));
-            self.front.push((problem.front[t].angle(x, delta).abs() - problem.front_max).max(0.0));
+            let front_max = problem.front_max * problem.front_share[t];
+            self.front.push((problem.front[t].angle(x, delta).abs() - front_max).max(0.0));
             let rear_max = problem.rear_max * problem.rear_share[t];
             self.rear.push((problem.rear[t].angle(next, 0.0).abs() - rear_max).max(0.0));
             self.speed.push((next[0] - problem.speed_max[t]).max(0.0));

@@ -98,6 +98,7 @@ impl Envelope {
         }
         if envelope.speed.iter().all(|v| *v == 0.0) {
             envelope.speed.clear();
+            envelope.driven.clear();
             return envelope;
         }
         envelope.fill_gaps();
@@ -113,6 +114,11 @@ impl Envelope {
     /// Greatest speed at s \[m/s\]; infinite where nothing bounds it.
     pub(crate) fn at(&self, s: f64) -> f64 {
         between(&self.speed, self.ds, s)
+    }
+
+    /// Greatest driven speed at s \[m/s\]; infinite without laps.
+    pub(crate) fn driven_at(&self, s: f64) -> f64 {
+        between(&self.driven, self.ds, s)
     }
 
     /// Raises the grid to what a lap supports, between each two samples.

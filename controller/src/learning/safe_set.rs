@@ -133,6 +133,12 @@ impl SafeSet {
         self.successor_s.iter().zip(lambda).map(|(s, l)| s * l).sum()
     }
 
+    /// How far the points move on in one step, in the mean \[m\].
+    pub(crate) fn advance(&self) -> f64 {
+        let moved = self.successor_s.iter().zip(&self.points).map(|(s, point)| s - point[4]);
+        moved.sum::<f64>() / self.points.len() as f64
+    }
+
     /// Input at the terminal state: that of the points, times lambda.
     pub(crate) fn input(&self, lambda: &[f64]) -> Vector2<f64> {
         self.inputs.iter().zip(lambda).map(|(u, l)| u * *l).sum()

@@ -55,6 +55,7 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
         problem.front[t] = slip(r, 1.0);
         problem.rear[t] = slip(r, 0.0);
         problem.rear_share[t] = 0.5 + 0.5 * r.share();
+        problem.front_share[t] = 1.5 - problem.rear_share[t];
     }
     problem.lane_linear = 20.0 * r.share();
     problem.lane_quadratic = 1.0 + 100.0 * r.share();

@@ -71,7 +71,7 @@ class Hpipm:
                 square(unit((i, 1.0)), 0.0, p.input_cost[i])
                 if self.held:
                     square(unit((i, 1.0), (nu + 6 + i, -1.0)), 0.0, p.rate_cost[i])
-            front = p.front[t]
+            front, most = p.front[t], p.front_max * p.front_share[t]
             row = self._slip(front, nu, states)
             square(row, front["offset"] - front["reference"], front["weight"])
         if t > 0:
@@ -150,10 +150,10 @@ class Hpipm:
         p, n = self.p, self.p.n
         rows, low, high = [], [], []
         if p.has_front and t < n:
-            front = p.front[t]
+            front, most = p.front[t], p.front_max * p.front_share[t]
             rows.append(self._slip(front, nu, nx))
-            low.append(-p.front_max - front["offset"])
-            high.append(p.front_max - front["offset"])
+            low.append(-most - front["offset"])
+            high.append(most - front["offset"])
         if p.has_rear and t > 0:
             rear, most = p.rear[t - 1], p.rear_max * p.rear_share[t - 1]
             rows.append(self._slip({**rear, "steering": 0.0}, nu, nx))

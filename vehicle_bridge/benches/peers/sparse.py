@@ -102,7 +102,8 @@ class Sparse:
         self._square(terms, known - front["reference"], front["weight"])
         if p.has_front:
             slack += 1
-            self._soft(terms, known, -p.front_max, p.front_max, slack, (p.slip_linear, 0.0))
+            most = p.front_max * p.front_share[t]
+            self._soft(terms, known, -most, most, slack, (p.slip_linear, 0.0))
         terms, _ = self._velocities(t + 1, rear["velocity"])
         self._square(terms, rear["offset"] - rear["reference"], rear["weight"])
         if p.has_rear:

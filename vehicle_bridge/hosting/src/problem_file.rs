@@ -83,6 +83,7 @@ struct Document {
     terminal_slack_weight: [f64; 6],
     e_y_min: Vec<f64>,
     e_y_max: Vec<f64>,
+    front_share: Vec<f64>,
     rear_share: Vec<f64>,
     speed_max: Vec<Option<f64>>,
     front: Vec<Slip>,
@@ -152,6 +153,7 @@ impl Document {
             terminal_slack_weight: problem.terminal_slack_weight.into(),
             e_y_min: problem.e_y_min.clone(),
             e_y_max: problem.e_y_max.clone(),
+            front_share: problem.front_share.clone(),
             rear_share: problem.rear_share.clone(),
             speed_max: problem.speed_max.iter().map(|most| bound(*most)).collect(),
             front: problem.front.iter().map(Slip::of).collect(),
@@ -176,6 +178,7 @@ impl Document {
         let lengths = [
             ("e_y_min", self.e_y_min.len()),
             ("e_y_max", self.e_y_max.len()),
+            ("front_share", self.front_share.len()),
             ("rear_share", self.rear_share.len()),
             ("speed_max", self.speed_max.len()),
             ("front", self.front.len()),
@@ -209,6 +212,7 @@ impl Document {
         problem.terminal_slack_weight = Vector6::from(self.terminal_slack_weight);
         problem.e_y_min = self.e_y_min;
         problem.e_y_max = self.e_y_max;
+        problem.front_share = self.front_share;
         problem.rear_share = self.rear_share;
         problem.speed_max = self.speed_max.into_iter().map(unbound).collect();
         problem.front = self.front.iter().map(Slip::row).collect();

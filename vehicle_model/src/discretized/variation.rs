@@ -109,31 +109,37 @@ impl<T: Real> Rates<T, ALL> for System<'_, T> {
         let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
         let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip, None);
         let pose = [seed(y[3], 3), Dual::fixed(y[4]), seed(y[5], 4)];
-        let pose_dot = pose_rates(&v, &pose, y[4].map(|s| self.road.kappa(s)));
+        let kappa = y[4].map(|s| self.road.kappa(s));
+        let pose_dot = pose_rates(&v, &pose, kappa);
 
-        // The curvature is frozen: no rate depends on s.
+        // The curvature is frozen: no rate depends on s. Of the rates of the pose, s' does not depend on
+        // omega_z, e_y' on neither omega_z nor e_y, and e_psi' = omega_z - kappa s'.
         for row in 0..3 {
             stage.take(row, v_dot[row].value);
             stage.take(3 + row, pose_dot[row].value);
-            let (by_v, by_pose) = (v_dot[row].gradient, pose_dot[row].gradient);
-            for column in 0..N {
-                let v = |i: usize| y[V + i * N + column];
-                let p = |i: usize| y[P + i * N + column];
-                let product = by_v[0] * v(0) + by_v[1] * v(1) + by_v[2] * v(2);
+        }
+        let (by_s, by_e_y) = (pose_dot[1].gradient, pose_dot[2].gradient);
+        for column in 0..N {
+            let v = [y[V + column], y[V + N + column], y[V + 2 * N + column]];
+            let (e_psi, e_y) = (y[P + column], y[P + 2 * N + column]);
+            for (row, rate) in v_dot.iter().enumerate() {
+                let by_v = rate.gradient;
+                let product = by_v[0] * v[0] + by_v[1] * v[1] + by_v[2] * v[2];
                 let own = if column < 3 { product } else { product + by_v[column] };
                 stage.take(V + row * N + column, own);
-                let pose = by_pose[0] * v(0)
-                    + by_pose[1] * v(1)
-                    + by_pose[2] * v(2)
-                    + by_pose[3] * p(0)
-                    + by_pose[4] * p(2);
-                stage.take(P + row * N + column, pose);
             }
-            for column in 0..POSE.len() {
-                let q = |i: usize| y[Q + i * POSE.len() + column];
-                let pose = by_pose[3] * q(0) + by_pose[4] * q(2);
-                stage.take(Q + row * POSE.len() + column, pose);
-            }
+            let along = by_s[0] * v[0] + by_s[1] * v[1] + by_s[3] * e_psi + by_s[4] * e_y;
+            stage.take(P + column, v[2] - along * kappa);
+            stage.take(P + N + column, along);
+            let across = by_e_y[0] * v[0] + by_e_y[1] * v[1] + by_e_y[3] * e_psi;
+            stage.take(P + 2 * N + column, across);
+        }
+        for column in 0..POSE.len() {
+            let (e_psi, e_y) = (y[Q + column], y[Q + 2 * POSE.len() + column]);
+            let along = by_s[3] * e_psi + by_s[4] * e_y;
+            stage.take(Q + column, -(along * kappa));
+            stage.take(Q + POSE.len() + column, along);
+            stage.take(Q + 2 * POSE.len() + column, by_e_y[3] * e_psi);
         }
     }
 }

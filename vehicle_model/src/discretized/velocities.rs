@@ -2,8 +2,8 @@
 //! measurements. On a flat road they are integrated alone, as no velocity depends on the pose there.
 
 use super::sensitivity::AlongStep;
-use super::{Discretized, Rates, Stage};
-use crate::model::{Held, Model};
+use super::{Discretized, Dynamics, Rates, Stage};
+use crate::model::{Held, Model, ModelKind};
 use crate::number::{Dual, Number, Real};
 use crate::road::Road;
 use crate::state::{NU, NX};
@@ -60,8 +60,13 @@ fn velocities<T: Number>(
     grip: &[T; 2],
     road: &dyn Road,
 ) -> [T; 3] {
+    if step.model.kind == ModelKind::Kinematic {
+        return step.kinematic_velocities(x, &Held::new(u), road).1;
+    }
     if !step.varies(road) {
-        let [v_x, v_y, omega_z, ..] = step.step::<_, true>(x, u, grip, road);
+        let (model, held) = (&step.model, &Held::new(u));
+        let system = Dynamics::<T, true> { model, held, grip, road };
+        let [v_x, v_y, omega_z, ..] = step.integrate(*x, &system);
         return [v_x, v_y, omega_z];
     }
     let system = OnTheFlat { model: &step.model, held: &Held::new(u), grip };

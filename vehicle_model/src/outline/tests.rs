@@ -25,10 +25,30 @@ fn the_closed_form_is_the_projection_on_a_circle() {
             let x = State { v_x: 1.0, e_psi, s: 7.0, e_y, ..State::default() };
             let extent = iac().extent(1.0 / radius, e_psi, e_y);
             let closed = (extent.left.e_y - 5.0).max(-extent.right.e_y - 5.0);
-            let projected = iac().overhang(&track, &x);
+            let [left, right] = iac().projected_overhangs(&track, &x);
+            let projected = left.max(right);
             assert!((closed - projected).abs() < 1e-9, "{radius} {x:?}: {closed} {projected}");
         }
     }
+}
+
+#[test]
+fn anywhere_on_a_track_it_is_the_projection() {
+    let track = Track::builtin("l").unwrap();
+    let outline = Outline::new(&CarParams::builtin("barc").unwrap());
+    let mut closed = 0;
+    for i in 0..400 {
+        let s = track.length() * f64::from(i) / 400.0;
+        for (e_psi, e_y) in [(0.0, 0.0), (0.2, 0.3), (-0.4, -0.45), (0.1, 0.6)] {
+            let x = State { v_x: 1.0, e_psi, s, e_y, ..State::default() };
+            closed += u32::from(outline.overhangs_on_a_circle(&track, &x).is_some());
+            let projected = outline.projected_overhangs(&track, &x);
+            for (found, projected) in outline.overhangs(&track, &x).iter().zip(projected) {
+                assert!((found - projected).abs() < 1e-9, "{x:?}: {found} {projected}");
+            }
+        }
+    }
+    assert!(closed > 400, "{closed} of 1,600 in closed form");
 }
 
 #[test]

@@ -173,6 +173,15 @@ impl Track {
         }
     }
 
+    /// Curvature [1/m] and distances to the left and the right edge \[m\] from s - `reach` to s + `reach`, if
+    /// that lies within one straight or arc and neither changes.
+    pub(crate) fn even_around(&self, s: f64, reach: f64) -> Option<(f64, [f64; 2])> {
+        let s = self.wrap(s);
+        let kappa = self.path.constant(s - reach, s + reach)?;
+        let (left, right) = self.widths.even(s - reach, s + reach)?;
+        Some((kappa, [left, right]))
+    }
+
     /// Places in [0, L) where the curvature jumps, in order \[m\]: the ends of the segments of a
     /// track of straights and arcs. A spline's curvature has no jumps.
     #[must_use]

@@ -74,6 +74,13 @@ impl Path {
         self.kappa_in(i, s - self.start_of(i))
     }
 
+    /// Curvature from `from` to `to`, if both lie in one straight or arc [1/m].
+    pub(super) fn constant(&self, from: f64, to: f64) -> Option<f64> {
+        let Self::Arcs(arcs) = self else { return None };
+        let arc = arcs.get(arcs.partition_point(|arc| arc.s <= from).checked_sub(1)?)?;
+        (to <= arc.s + arc.length).then_some(arc.kappa)
+    }
+
     /// Curvature at distance u in piece i [1/m].
     #[inline]
     pub(super) fn kappa_in(&self, i: usize, u: f64) -> f64 {

@@ -68,6 +68,14 @@ impl Widths {
             })
     }
 
+    /// The distances from `from` to `to` in [0, L), if they are the same all along [m].
+    pub(super) fn even(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+        let i = self.spans.partition_point(|span| span.s <= from).saturating_sub(1);
+        let span = &self.spans[i];
+        let even = span.slope == (0.0, 0.0) && to <= span.s + span.length;
+        even.then_some(span.start)
+    }
+
     /// Distances (left, right) to the edges at s in [0, L) [m].
     pub(super) fn at(&self, s: f64) -> (f64, f64) {
         let i = self.spans.partition_point(|span| span.s <= s).saturating_sub(1);

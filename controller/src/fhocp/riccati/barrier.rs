@@ -17,6 +17,7 @@
 
 use std::ops::Range;
 
+use super::columns::{each, greatest};
 use crate::lanes::{dot, sum};
 
 /// Lanes of a search for the greatest.
@@ -88,13 +89,8 @@ impl Barrier {
     /// Residuals from the image of the iterate; returns the greatest.
     #[inline(always)]
     pub(super) fn residuals(&mut self) -> f64 {
-        let rows = self.r.iter_mut().zip(&self.image).zip(&self.w).zip(&self.b);
-        let mut greatest: f64 = 0.0;
-        for (((r, image), w), b) in rows {
-            *r = image + w - b;
-            greatest = if r.abs() > greatest { r.abs() } else { greatest };
-        }
-        greatest
+        each(&mut self.r, [&self.image, &self.w, &self.b], |[image, w, b]| image + w - b);
+        greatest(&self.r, 0.0)
     }
 
     /// Curvature of the penalty 1/2 weight ((a'v - b) / width)^2 on each row.
@@ -141,11 +137,12 @@ impl Barrier {
         }
     }
 
-    /// The pull of the corrector; `second` weights the second-order term of the direction in
-    /// place.
+    /// The pull of the corrector; `second` weights the second-order term of the direction that was
+    /// kept.
     #[inline(always)]
     pub(super) fn correct(&mut self, target: f64, second: f64) {
-        let rows = self.dw.iter().zip(&self.dz).zip(&self.z).zip(&self.r).zip(&self.delta);
+        let rows =
+            self.kept_dw.iter().zip(&self.kept_dz).zip(&self.z).zip(&self.r).zip(&self.delta);
         for (((((dw, dz), z), r), delta), (pull, inverse)) in
             rows.zip(self.pull.iter_mut().zip(&self.inverse))
         {
@@ -188,11 +185,11 @@ impl Barrier {
         1.0 / greatest
     }
 
-    /// Keeps the direction in place.
+    /// Keeps the direction in place, which is to be replaced.
     #[inline(always)]
     pub(super) fn keep(&mut self) {
-        self.kept_dw.copy_from_slice(&self.dw);
-        self.kept_dz.copy_from_slice(&self.dz);
+        std::mem::swap(&mut self.kept_dw, &mut self.dw);
+        std::mem::swap(&mut self.kept_dz, &mut self.dz);
     }
 
     /// The direction that is `part` of the way from the one that was kept to the one in place.

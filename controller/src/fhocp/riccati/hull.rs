@@ -26,7 +26,7 @@ use vehicle_model::NX;
 
 use super::super::Fhocp;
 use super::product::product;
-use crate::lanes::{dot, sum};
+use crate::lanes::{dot, dots, sum};
 
 /// Added to each sigma_j: bounds omega_j, and with it the condition of the scatter.
 const REGULARISATION: f64 = 1e-7;
@@ -119,20 +119,34 @@ impl Hull {
             }
         }
         let mut scatter = Matrix6::from_diagonal(&self.compliance);
-        for column in 0..NX {
-            let rows = self.omega.iter().zip(&self.centred[column]);
-            for (weighted, (omega, d)) in self.weighted.iter_mut().zip(rows) {
-                *weighted = omega * d;
-            }
-            for row in 0..=column {
-                scatter[(row, column)] += dot(&self.weighted, &self.centred[row]);
-                scatter[(column, row)] = scatter[(row, column)];
-            }
-        }
+        self.scatter::<1>(&mut scatter);
+        self.scatter::<2>(&mut scatter);
+        self.scatter::<3>(&mut scatter);
+        self.scatter::<4>(&mut scatter);
+        self.scatter::<5>(&mut scatter);
+        self.scatter::<6>(&mut scatter);
         self.system = scatter;
         let Some(factor) = Cholesky::new(scatter) else { return false };
         self.p = factor.inverse();
         true
+    }
+
+    /// Adds the first entries of a column of the scatter, to the one on the diagonal, and its mirror image.
+    #[inline(always)]
+    fn scatter<const ENTRIES: usize>(&mut self, scatter: &mut Matrix6<f64>) {
+        let column = ENTRIES - 1;
+        let rows = self.omega.iter().zip(&self.centred[column]);
+        for (weighted, (omega, d)) in self.weighted.iter_mut().zip(rows) {
+            *weighted = omega * d;
+        }
+        let mut rows = [&[][..]; ENTRIES];
+        for (row, centred) in rows.iter_mut().zip(&self.centred) {
+            *row = centred;
+        }
+        for (row, entry) in dots(&self.weighted, rows).into_iter().enumerate() {
+            scatter[(row, column)] += entry;
+            scatter[(column, row)] = scatter[(row, column)];
+        }
     }
 
     /// Terminal gradient y - P c for the given pulls.
@@ -187,7 +201,8 @@ impl Hull {
 /// Sum of the points, each times its weight.
 #[inline(always)]
 fn combination(points: &Columns, weights: &[f64]) -> Vector6<f64> {
-    Vector6::from_fn(|i, _| dot(&points[i], weights))
+    let [v_x, v_y, omega_z, e_psi, s, e_y] = points;
+    Vector6::from(dots(weights, [v_x, v_y, omega_z, e_psi, s, e_y]))
 }
 
 /// Inner product of each point with y.

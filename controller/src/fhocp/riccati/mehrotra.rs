@@ -5,11 +5,12 @@ use nalgebra::{Vector2, Vector6};
 use super::super::layout::Shape;
 use super::super::{Fhocp, Solution, SolveReport};
 use super::barrier::Barrier;
+use super::columns::greatest;
 use super::hull::Hull;
 use super::recursion::{Gain, Model, backward, carry, costates, factor, forward};
 use super::report;
-use super::rows::{FRONT, Point, REAR, Rows, quantities};
-use super::stage::{At, Curvature, Gradient, penalty};
+use super::rows::{Point, RATE, Rows};
+use super::stage::{Costs, Curvature, Gradient};
 use crate::config::SolverConfig;
 use crate::status::SolveStatus;
 
@@ -41,6 +42,9 @@ const STALLED: f64 = 1e-5;
 /// Weight of the dual residual among the errors.
 const DUAL_SHARE: f64 = 0.01;
 
+/// Gap or violation from which on the dual residual is not looked at: the iterate is no solution anyway.
+const FAR: f64 = 1e-3;
+
 /// How far an iterate is from the optimum.
 #[derive(Debug, Clone, Copy)]
 struct Residuals {
@@ -71,8 +75,12 @@ pub(super) struct Work {
     /// Sum of w z of the iterate.
     gap: f64,
     pub(super) hull: Hull,
-    curvature: Vec<Curvature>,
-    gradient: Vec<Gradient>,
+    pub(super) costs: Costs,
+    curvature: Curvature,
+    gradient: Gradient,
+    /// Quantities that the rows bound: of the iterate and of the direction.
+    pub(super) at: Vec<f64>,
+    along: Vec<f64>,
     gains: Vec<Gain>,
     pub(super) models: Vec<Model>,
     /// Costates of x_1..x_N, and those a full step leads to.
@@ -93,8 +101,11 @@ impl Work {
             barrier: Barrier::default(),
             gap: 0.0,
             hull: Hull::default(),
-            curvature: vec![Curvature::default(); shape.horizon],
-            gradient: vec![Gradient::default(); shape.horizon],
+            costs: Costs::default(),
+            curvature: Curvature::default(),
+            gradient: Gradient::default(),
+            at: vec![0.0; rows.quantities()],
+            along: vec![0.0; rows.quantities()],
             models: vec![Model::default(); shape.horizon],
             gains: vec![Gain::default(); shape.horizon],
             costate: vec![Vector6::zeros(); shape.horizon],
@@ -102,8 +113,11 @@ impl Work {
         };
         let Work { point, direction, best, predicted, .. } = &mut work;
         for point in [point, direction, best, predicted] {
-            point.resize(&shape);
+            point.resize(&rows);
         }
+        work.costs.resize(&rows);
+        work.curvature.resize(&rows);
+        work.gradient.resize(&rows);
         work.barrier.resize(rows.count());
         work.hull.resize(shape.hull);
         work
@@ -199,7 +213,7 @@ impl Work {
     /// those between the two need no solve.
     #[inline(always)]
     fn correct(&mut self, problem: &Fhocp, target: f64, predicted: f64) -> f64 {
-        self.predicted.copy(&self.direction);
+        std::mem::swap(&mut self.predicted, &mut self.direction);
         self.barrier.keep();
         for (kept, gain) in self.predicted_gradient.iter_mut().zip(&self.gains) {
             *kept = gain.gradient;
@@ -228,14 +242,12 @@ impl Work {
     #[inline(always)]
     pub(super) fn condense(&mut self, problem: &Fhocp) -> bool {
         let hull = self.rows.hull();
-        for (t, curvature) in self.curvature.iter_mut().enumerate() {
-            *curvature =
-                Curvature::of(problem, t, &self.rows, self.rows.stage(t, &self.barrier.sigma));
-        }
+        self.curvature.set(&self.costs, &self.rows, &self.barrier.sigma);
         if !self.hull.factor(&self.barrier.sigma[hull..]) {
             return false;
         }
-        factor(problem, &self.models, &self.curvature, &self.hull.p, &mut self.gains);
+        let curvature = (&self.rows, &self.curvature.on[..]);
+        factor(problem, &self.models, curvature, &self.hull.p, &mut self.gains);
         true
     }
 
@@ -243,36 +255,26 @@ impl Work {
     #[inline(always)]
     pub(super) fn direction(&mut self, problem: &Fhocp, defects: bool) {
         let hull = self.rows.hull();
-        let mut u_before = problem.u_prev;
-        for (t, (gradient, curvature)) in self.gradient.iter_mut().zip(&self.curvature).enumerate()
-        {
-            let (x, u) = (&self.point.x, &self.point.u[t]);
-            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
-            let pull = self.rows.stage(t, &self.barrier.pull);
-            let at = At { u: *u, u_before, s: self.point.s[t], y };
-            *gradient = Gradient::of(problem, t, &self.rows, pull, &at);
-            curvature.eliminate(gradient);
-            u_before = *u;
-        }
+        self.gradient.set(&self.costs, &self.rows, &self.barrier.pull);
+        self.curvature.eliminate(&self.rows, &mut self.gradient);
         let terminal = self.hull.gradient(&problem.hull_cost, &self.barrier.pull[hull..]);
         let defect = defects.then_some(&self.costate_next[..]);
         backward(
             problem,
             &self.models,
-            &self.curvature,
-            &self.gradient,
+            RATE.map(|rate| self.rows.column(rate, &self.curvature.on)),
+            &self.gradient.stages(problem, &self.rows),
             defect,
             &terminal,
             &mut self.gains,
         );
-        let Point { x, u, s, lambda } = &mut self.direction;
+        let Point { x, u, .. } = &mut self.direction;
         forward(problem, &self.models, &self.gains, defect, x, u);
-        for (t, s) in s.iter_mut().enumerate() {
-            let dy = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
-            *s = self.curvature[t].slacks(&self.gradient[t], &dy);
-        }
+        self.rows.set(problem, &self.direction, Vector2::zeros(), &mut self.along);
+        let Point { x, s, lambda, .. } = &mut self.direction;
+        self.curvature.slacks(&self.rows, &self.gradient, &self.along, s);
         self.hull.direction(&x[problem.horizon()], lambda);
-        self.rows.image(problem, &self.direction, Vector2::zeros(), &mut self.barrier.image);
+        self.rows.image(&self.along, &self.direction, &mut self.barrier.image);
         self.barrier.direction();
     }
 
@@ -287,49 +289,47 @@ impl Work {
         }
     }
 
+    /// The rows' image of the iterate, from its quantities.
+    #[inline(always)]
+    pub(super) fn image(&mut self, problem: &Fhocp) {
+        self.rows.set(problem, &self.point, problem.u_prev, &mut self.at);
+        self.rows.image(&self.at, &self.point, &mut self.barrier.image);
+    }
+
     /// Residuals of the iterate, those of the rows left in place for the next step.
     #[inline(always)]
     fn residuals(&mut self, problem: &Fhocp) -> Residuals {
         let hull = self.rows.hull();
-        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        self.image(problem);
         let primal = self.barrier.residuals();
+        self.costs.set(&self.at, &self.point.s);
         self.hull.costate(&self.point.x[problem.horizon()], &self.point.lambda);
+        let cost = self.hull.cost(&problem.hull_cost, &self.point.lambda)
+            + self.costs.cost(&self.at, &self.point.s);
+        self.gap = self.barrier.gap();
+        let gap = self.gap / (1.0 + cost.abs());
+        if gap > FAR || primal > FAR {
+            return Residuals { gap, primal, dual: 0.0 };
+        }
+        self.gradient.set(&self.costs, &self.rows, &self.barrier.z);
         let mut dual = self.hull.residual(&problem.hull_cost, &self.barrier.z[hull..]);
-        let mut cost = self.hull.cost(&problem.hull_cost, &self.point.lambda);
-        let penalty = penalty(problem);
+        dual = greatest(&self.gradient.slack, dual);
         let mut scale: f64 = 1.0;
         // Stationarity of x_{t+1} without its own rows, and what a stage has on the input before.
         let (mut after, mut input_after) = (self.hull.y, Vector2::zeros());
         let carry = carry(problem);
+        let gradient = self.gradient.stages(problem, &self.rows);
         for t in (0..problem.horizon()).rev() {
-            let u_before = if t == 0 { problem.u_prev } else { self.point.u[t - 1] };
-            let z = self.rows.stage(t, &self.barrier.z);
-            let (u, s) = (&self.point.u[t], &self.point.s[t]);
-            let x = &self.point.x;
-            let y = quantities(problem, t, &x[t], u, &x[t + 1]);
-            let at = At { u: *u, u_before, s: *s, y };
-            let gradient = Gradient::of(problem, t, &self.rows, z, &at);
-            let du = u - u_before;
-            cost += problem.input_cost.dot(&u.component_mul(u))
-                + problem.rate_cost.dot(&du.component_mul(&du));
-            for (k, row) in [(REAR, &problem.rear[t]), (FRONT, &problem.front[t])] {
-                cost += row.weight * (y[k] + row.offset - row.reference).powi(2);
-            }
-            for ((linear, quadratic), s) in penalty.iter().zip(s) {
-                cost += (linear + quadratic * s) * s;
-            }
+            let rate = gradient.rate(t);
             let pi = &self.costate[t];
             let (a_pi, b_pi) = self.models[t].adjoint(pi);
-            let state = after + gradient.next_state(problem, t) - pi;
-            let input = gradient.input(problem, t) + gradient.rate + input_after + b_pi;
-            dual = gradient.slack.iter().fold(dual, |d, g| d.max(g.abs()));
+            let state = after + gradient.next_state(t) - pi;
+            let input = gradient.input(t) + rate + input_after + b_pi;
             dual = dual.max(state.amax()).max(input.amax());
             scale = scale.max(pi.amax());
-            after = a_pi + gradient.state(problem, t);
-            input_after = b_pi * carry - gradient.rate;
+            after = a_pi + gradient.state(t);
+            input_after = b_pi * carry - rate;
         }
-        self.gap = self.barrier.gap();
-        let gap = self.gap / (1.0 + cost.abs());
         // Costates carry the rounding of a curvature up to 1 / delta.
         Residuals { gap, primal, dual: dual / scale * DUAL_SHARE }
     }

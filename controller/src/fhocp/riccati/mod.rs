@@ -23,6 +23,7 @@
 //! the result depends on the problem alone.
 
 mod barrier;
+mod columns;
 mod hull;
 mod mehrotra;
 mod product;

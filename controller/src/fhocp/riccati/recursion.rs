@@ -28,12 +28,12 @@
 //! In N_t, `D - D H^-1 D` is formed as `G H^-1 D`: an active rate limit makes D large, and the
 //! difference would lose the digits of G.
 
-use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
+use nalgebra::{ArrayStorage, Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
 
 use super::super::Fhocp;
 use super::product::{product, transpose};
-use super::rows::{FRONT, LANE, REAR, SPEED};
-use super::stage::{Curvature, Gradient};
+use super::rows::{FRONT, INPUT, LANE, RATE, REAR, Rows, SPEED};
+use super::stage::Stages;
 use crate::affine::Affine;
 
 /// A, B and their transposes of one stage.
@@ -43,6 +43,8 @@ pub(super) struct Model {
     b: Matrix6x2<f64>,
     a_transposed: Matrix6<f64>,
     b_transposed: Matrix2x6<f64>,
+    /// Whether velocities do not depend on the pose, and nothing but s itself on s.
+    flat: bool,
 }
 
 impl Model {
@@ -52,6 +54,9 @@ impl Model {
         self.b = model.b * (1.0 - lag);
         self.a_transposed = transpose(&model.a);
         self.b_transposed = transpose(&self.b);
+        let [.., by_e_psi, by_s, by_e_y] = &model.a.data.0;
+        let apart = [by_e_psi, by_s, by_e_y].iter().all(|column| column[..3] == [0.0; 3]);
+        self.flat = apart && by_s[3..] == [0.0, 1.0, 0.0];
     }
 
     /// A x + B u.
@@ -92,18 +97,21 @@ pub(super) struct Gain {
 pub(super) fn factor(
     problem: &Fhocp,
     models: &[Model],
-    curvature: &[Curvature],
+    (rows, curvature): (&Rows, &[f64]),
     terminal: &Matrix6<f64>,
     gains: &mut [Gain],
 ) {
     let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
     let carry = carry(problem);
+    let on = |quantity: usize| rows.column(quantity, curvature);
+    let (rear_on, speed_on, lane_on, front_on) = (on(REAR), on(SPEED), on(LANE), on(FRONT));
+    let (inputs_on, rates_on) = (INPUT.map(on), RATE.map(on));
     for t in (0..problem.horizon()).rev() {
-        let (model, own) = (&models[t], &curvature[t]);
+        let model = &models[t];
         let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
-        add_square(&mut p, rear, own.soft[REAR]);
-        p[(0, 0)] += own.soft[SPEED];
-        p[(5, 5)] += own.soft[LANE];
+        add_square(&mut p, rear, rear_on[t]);
+        p[(0, 0)] += speed_on[t];
+        p[(5, 5)] += lane_on[t];
 
         let pb_m = product(&p, &model.b) + m;
         let mut f = product(&model.a_transposed, &pb_m);
@@ -118,12 +126,12 @@ pub(super) fn factor(
             Some((a_pe, transpose(&b_pb_m) * carry, (b_pb_m - transpose(&m_b)) * (carry * carry)))
         };
         for i in 0..3 {
-            f[(i, 1)] += own.soft[FRONT] * front.velocity[i] * front.steering;
+            f[(i, 1)] += front_on[t] * front.velocity[i] * front.steering;
         }
-        g[(1, 1)] += own.soft[FRONT] * front.steering * front.steering;
-        g[(0, 0)] += own.input[0];
-        g[(1, 1)] += own.input[1];
-        let rate = &own.rate;
+        g[(1, 1)] += front_on[t] * front.steering * front.steering;
+        g[(0, 0)] += inputs_on[0][t];
+        g[(1, 1)] += inputs_on[1][t];
+        let rate = &Vector2::new(rates_on[0][t], rates_on[1][t]);
         let inverse =
             inverse(&Matrix2::new(g[(0, 0)] + rate[0], g[(0, 1)], g[(1, 0)], g[(1, 1)] + rate[1]));
         let state = product(&f, &inverse);
@@ -142,10 +150,12 @@ pub(super) fn factor(
         if t == 0 {
             break;
         }
-        let pa = product(&p, &model.a);
-        p = product(&model.a_transposed, &pa) - product(&state, &transpose(&f));
-        add_square(&mut p, &front.velocity, own.soft[FRONT]);
-        symmetrise(&mut p);
+        p = if model.flat {
+            carried_back::<true>(model, &p, &state, &f)
+        } else {
+            carried_back::<false>(model, &p, &state, &f)
+        };
+        add_square(&mut p, &front.velocity, front_on[t]);
         m = scale_columns(&state, rate);
         n = kept;
         if let Some((a_pe, k, e_pe)) = &carried {
@@ -158,13 +168,79 @@ pub(super) fn factor(
     }
 }
 
+/// A'P A - F H^-1 F', symmetric. `FLAT` skips the zeros of A: with V, L and Q for how velocities and pose
+/// depend on velocities and pose, A is `[V 0; L Q]` with a middle column of Q that is one of the identity.
+#[inline(always)]
+fn carried_back<const FLAT: bool>(
+    model: &Model,
+    p: &Matrix6<f64>,
+    state: &Matrix6x2<f64>,
+    f: &Matrix6x2<f64>,
+) -> Matrix6<f64> {
+    let (a, a_transposed) = (&model.a.data.0, &model.a_transposed.data.0);
+    let (p, state, f) = (&p.data.0, &state.data.0, &f.data.0);
+    let mut out = [[0.0; 6]; 6];
+    for column in 0..6 {
+        let below = combined::<6, 3>(&p[3..], &a[column][3..]);
+        let pa = match column {
+            4 if FLAT => p[4],
+            3.. if FLAT => below,
+            _ => plus(&below, &combined::<6, 3>(&p[..3], &a[column][..3])),
+        };
+        let below = combined::<6, 3>(&a_transposed[3..], &pa[3..]);
+        // The upper rows of the last columns follow from symmetry; A' of the velocities has zeros below.
+        let sum = match column {
+            3.. if FLAT => below,
+            _ if FLAT => plus(&below, &combined::<4, 3>(&a_transposed[..3], &pa[..3])),
+            _ => plus(&below, &combined::<6, 3>(&a_transposed[..3], &pa[..3])),
+        };
+        let feedback = combined::<6, 2>(state, &[f[0][column], f[1][column]]);
+        for row in 0..6 {
+            out[column][row] = sum[row] - feedback[row];
+        }
+    }
+    let mut p = Matrix6::from_array_storage(ArrayStorage(out));
+    for column in 0..6 {
+        for row in 0..column {
+            let below = p[(column, row)];
+            let mirrored = FLAT && column >= 3 && row < 3;
+            let mean = if mirrored { below } else { 0.5 * (below + p[(row, column)]) };
+            p[(row, column)] = mean;
+            p[(column, row)] = mean;
+        }
+    }
+    p
+}
+
+/// Sum of the first `R` rows of columns, each times a number.
+#[inline(always)]
+fn combined<const R: usize, const K: usize>(columns: &[[f64; 6]], by: &[f64]) -> [f64; R] {
+    let mut sum = [0.0; R];
+    for k in 0..K {
+        for row in 0..R {
+            sum[row] += columns[k][row] * by[k];
+        }
+    }
+    sum
+}
+
+/// Sum of six numbers and some that stand beside the first of them.
+#[inline(always)]
+fn plus<const R: usize>(a: &[f64; 6], b: &[f64; R]) -> [f64; 6] {
+    let mut sum = *a;
+    for row in 0..R {
+        sum[row] += b[row];
+    }
+    sum
+}
+
 /// Offsets of the feedback, backward from the terminal gradient.
 #[inline(always)]
 pub(super) fn backward(
     problem: &Fhocp,
     models: &[Model],
-    curvature: &[Curvature],
-    gradient: &[Gradient],
+    rates: [&[f64]; 2],
+    gradient: &Stages<'_>,
     defect: Option<&[Vector6<f64>]>,
     terminal: &Vector6<f64>,
     gains: &mut [Gain],
@@ -172,21 +248,22 @@ pub(super) fn backward(
     let (mut p, mut n) = (*terminal, Vector2::zeros());
     let carry = carry(problem);
     for t in (0..problem.horizon()).rev() {
-        let (own, gain) = (&gradient[t], &mut gains[t]);
-        p += own.next_state(problem, t);
+        let (rate, gain) = (gradient.rate(t), &mut gains[t]);
+        p += gradient.next_state(t);
         if let Some(defect) = defect {
             p += gain.p * defect[t];
             n += gain.m.tr_mul(&defect[t]);
         }
         gain.gradient = p;
         let (a_p, b_p) = models[t].adjoint(&p);
-        let h = own.input(problem, t) + own.rate + b_p + n;
+        let h = gradient.input(t) + rate + b_p + n;
         gain.offset = product(&gain.inverse, &h);
-        p = a_p - product(&gain.state, &h) + own.state(problem, t);
+        p = a_p - product(&gain.state, &h) + gradient.state(t);
         if carry == 0.0 {
-            n = curvature[t].rate.component_mul(&gain.offset) - own.rate;
+            let own = Vector2::new(rates[0][t], rates[1][t]);
+            n = own.component_mul(&gain.offset) - rate;
         } else {
-            n = gain.previous.tr_mul(&h) - own.rate + b_p * carry;
+            n = gain.previous.tr_mul(&h) - rate + b_p * carry;
         }
     }
 }

@@ -11,7 +11,7 @@ use nalgebra::Vector6;
 
 use super::super::Fhocp;
 use super::mehrotra::Work;
-use super::rows::{SOFT, SPEED, quantities};
+use super::rows::{LANE, QUANTITIES, SPEED};
 use super::stage::penalty;
 
 /// Complementarity w z of the stages' rows at the start, in units of the cost: steps.
@@ -33,9 +33,10 @@ impl Work {
         let hull = self.rows.hull();
         self.barrier.delta[..hull].fill(REGULARISATION);
         self.barrier.delta[hull..].fill(0.0);
-        self.rows.bounds(problem, &mut self.barrier.b);
+        self.rows.limits(problem, &mut self.barrier.b);
         self.rows.widths(problem, &mut self.barrier.width);
         self.hull.load(problem);
+        self.costs.load(problem, &self.rows);
         for (ours, model) in self.models.iter_mut().zip(&problem.model) {
             ours.load(model, problem.lag);
         }
@@ -52,17 +53,19 @@ impl Work {
         self.guess(problem);
 
         self.hull.costate(&self.point.x[shape.horizon], &self.point.lambda);
-        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        self.image(problem);
+        self.costs.set(&self.at, &self.point.s);
         self.barrier.pull_back();
         self.direction(problem, true);
         self.point.advance(1.0, &self.direction);
 
+        self.rows.set(problem, &self.point, problem.u_prev, &mut self.at);
         self.slacks(problem);
         for lambda in &mut self.point.lambda {
             *lambda = lambda.max(0.1 * mean);
         }
         self.renormalise();
-        self.rows.image(problem, &self.point, problem.u_prev, &mut self.barrier.image);
+        self.image(problem);
         self.barrier.enter(0..hull, LEAST_GAP, MU);
         self.barrier.enter(hull..self.rows.count(), LEAST_GAP, MU_HULL);
         self.renormalise();
@@ -76,7 +79,7 @@ impl Work {
         let [least, greatest] = problem.box_of(1);
         let u = problem.u_prev.sup(&least).inf(&greatest);
         self.point.u.fill(u);
-        self.point.s.fill([0.0; SOFT]);
+        self.point.s.fill(0.0);
         self.point.lambda.fill(1.0 / shape.hull as f64);
         self.point.x[0] = problem.x_0;
         let way = self.hull.centre() - problem.x_0;
@@ -95,20 +98,20 @@ impl Work {
     /// `s = (2 mu + l v + sqrt(l^2 v^2 + 4 mu^2)) / (2 l)`.
     #[inline(always)]
     fn slacks(&mut self, problem: &Fhocp) {
-        let penalty = penalty(problem);
-        for t in 0..self.rows.shape.horizon {
-            let (x, u) = (&self.point.x, &self.point.u);
-            let y = quantities(problem, t, &x[t], &u[t], &x[t + 1]);
-            let b = self.rows.stage(t, &self.barrier.b);
-            for k in 0..SOFT {
-                let Some([high, low, _]) = self.rows.soft(b, k) else { continue };
-                let low = if k == SPEED { f64::INFINITY } else { low };
-                let (linear, quadratic) = penalty[k];
-                let v = (y[k] - high).max(-y[k] - low);
+        let [highs, lows, ..] = self.rows.split(&self.barrier.b);
+        let first = self.rows.slacks().start;
+        for quantity in LANE..QUANTITIES {
+            if !self.rows.bounds(quantity) {
+                continue;
+            }
+            let (linear, quadratic) = penalty(problem, quantity);
+            for i in self.rows.range(quantity) {
+                let low = if quantity == SPEED { f64::INFINITY } else { lows[i] };
+                let v = (self.at[i] - highs[i]).max(-self.at[i] - low);
                 let slope = (linear + 2.0 * quadratic * v.max(0.0)).max(1e-3);
                 let lv = slope * v;
                 let root = (lv * lv + 4.0 * MU * MU).sqrt();
-                self.point.s[t][k] = (2.0 * MU + lv + root) / (2.0 * slope);
+                self.point.s[i - first] = (2.0 * MU + lv + root) / (2.0 * slope);
             }
         }
     }

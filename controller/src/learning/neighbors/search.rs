@@ -7,6 +7,9 @@ const SPARE: usize = 40;
 /// Up to this many surplus points are removed one at a time; beyond it a partial selection is faster.
 const FEW: usize = 6;
 
+/// Points of a leaf that are compared at once.
+const BLOCK: usize = 8;
+
 /// A neighbour as one number: the bits of its squared distance, which order as what is not
 /// negative does, then its index.
 type Neighbor = u64;
@@ -96,18 +99,24 @@ impl Found {
     #[inline(always)]
     fn take(&mut self, leaf: &Leaf, query: &Point, reach: f32) {
         let squared = leaf.distances(query);
-        // One by one only where there is any.
-        let near = squared.iter().fold(0, |near, squared| near + u32::from(*squared <= reach));
-        if near == 0 {
-            return;
+        let (blocks, _) = squared.as_chunks::<BLOCK>();
+        let (indices, _) = leaf.indices.as_chunks::<BLOCK>();
+        let mut free = leaf.len;
+        for (squared, indices) in blocks.iter().zip(indices) {
+            // One by one only those that are near: of most leaves a few.
+            let mut near = 0_u32;
+            for (i, squared) in squared.iter().enumerate() {
+                near |= u32::from(*squared <= reach) << i;
+            }
+            // Free places are infinitely far away, and so may be the reach.
+            near &= (1 << free.min(BLOCK)) - 1;
+            free = free.saturating_sub(BLOCK);
+            while near != 0 {
+                let i = near.trailing_zeros() as usize % BLOCK;
+                self.near.push(neighbor(squared[i], indices[i]));
+                near &= near - 1;
+            }
         }
-        let mut len = self.near.len();
-        self.near.resize(len + LEAF, 0);
-        for (squared, index) in squared.iter().zip(&leaf.indices).take(leaf.len) {
-            self.near[len] = neighbor(*squared, *index);
-            len += usize::from(*squared <= reach);
-        }
-        self.near.truncate(len);
     }
 
     /// Keeps the `count` nearest points; returns the squared distance of the farthest of them.

@@ -17,12 +17,14 @@ pub enum FmuError {
         reason: String,
     },
     /// It has no variable of this name.
-    #[error("{}: found no variable `{name}` (`lmpc fmu inspect` lists them)", path.display())]
+    #[error("{}: variable `{name}`: {reason} (`lmpc fmu inspect` lists them)", path.display())]
     NoVariable {
         /// The FMU.
         path: PathBuf,
         /// What was asked for.
         name: String,
+        /// What is wrong with it.
+        reason: String,
     },
     /// A value does not fit its variable.
     #[error("{}: {name} is of type {kind}, found {found}", path.display())]

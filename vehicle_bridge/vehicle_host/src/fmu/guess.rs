@@ -4,9 +4,11 @@ use std::fmt::Write as _;
 
 use fmu_core::{Inspection, VariableRow};
 
+use super::element::{expanded, find};
 use super::map::{Frame, Map, input_quantities, state_quantities};
+use super::names::{NAMES, bracketed, called, words};
 use super::sense::{Sense, sense};
-use super::slave::{attribute, row};
+use super::slave::attribute;
 use super::units::{self, Dimension};
 
 /// Model name of our own vehicle FMU.
@@ -47,34 +49,10 @@ e_y = "initial.e_y"
 "param.seed" = "{seed}"
 "#;
 
-/// Names a quantity goes by, words joined; the better first.
-const NAMES: [(&str, &[&str]); 13] = [
-    ("speed", &["speedoverground", "sog", "groundspeed", "speed", "velocity", "vground"]),
-    ("side_slip", &["sideslip", "sideslipangle", "beta", "slipangle", "driftangle", "bodyslip"]),
-    ("a", &["a", "acceleration", "accel", "acc", "ax", "acceleratordemand", "longacc"]),
-    ("delta", &["delta", "steer", "steering", "steeringangle", "roadwheelangle", "wheelangle"]),
-    ("v_x", &["vx", "velocityx", "longitudinalvelocity", "vlong", "speed", "velocity", "v"]),
-    ("v_y", &["vy", "velocityy", "lateralvelocity", "vlat", "lateralspeed", "slipspeed"]),
-    ("omega_z", &["omegaz", "yawrate", "psidot", "yawvelocity", "wz", "omega", "r"]),
-    ("x", &["x", "posx", "positionx", "east", "xpos", "px"]),
-    ("y", &["y", "posy", "positiony", "north", "ypos", "py"]),
-    ("psi", &["psi", "yaw", "heading", "yawangle", "theta"]),
-    ("e_psi", &["epsi", "headingerror", "epsilonpsi", "relativeheading"]),
-    ("s", &["s", "arclength", "station", "distance"]),
-    ("e_y", &["ey", "lateralerror", "crosstrackerror", "lateraldeviation", "d"]),
-];
-/// Words that say no more than that it is the car's, or in which unit.
-const NOISE: [&str; 13] = [
-    "vehicle", "car", "ego", "chassis", "body", "cmd", "command", "demand", "measured", "out",
-    "in", "output", "input",
-];
-/// Words of a quantity at the start.
-const START: [&str; 5] = ["initial", "init", "start", "0", "begin"];
-
 /// Whether the FMU is our vehicle.
 #[must_use]
 pub fn is_ours(inspection: &Inspection) -> bool {
-    attribute(inspection, "modelName") == OUR_NAME && row(inspection, "cmd.delta").is_some()
+    attribute(inspection, "modelName") == OUR_NAME && find(inspection, "cmd.delta").is_ok()
 }
 
 /// The map of our own vehicle FMU, if this is it.
@@ -91,40 +69,6 @@ struct Guess<'a> {
     doubts: Vec<String>,
 }
 
-/// The words of a name, the unit and side in it taken out.
-struct Words {
-    joined: String,
-    unit: Option<String>,
-    start: bool,
-}
-
-fn words(name: &str) -> Words {
-    let mut split = String::new();
-    let mut lower_before = false;
-    for c in name.chars() {
-        if c.is_uppercase() && lower_before {
-            split.push(' ');
-        }
-        lower_before = c.is_lowercase();
-        split.extend(if c.is_alphanumeric() { c.to_lowercase().next() } else { Some(' ') });
-    }
-    let mut all: Vec<&str> = split.split_whitespace().collect();
-    let mut found = Words { joined: String::new(), unit: None, start: false };
-    // `m` and `g` are names too: a unit of one letter is taken for one only in the description.
-    let is_unit = |w: &str| w.len() > 1 && units::unit(w).is_some();
-    if all.len() > 1 {
-        found.unit = all.last().filter(|w| is_unit(w)).map(|w| (*w).to_owned());
-        all.truncate(all.len() - usize::from(found.unit.is_some()));
-    }
-    found.start = all.iter().any(|w| START.contains(w)) || name.ends_with('0');
-    all.retain(|w| !super::sense::WORDS.contains(w) && !START.contains(w));
-    if all.iter().any(|w| !NOISE.contains(w)) {
-        all.retain(|w| !NOISE.contains(w));
-    }
-    found.joined = all.concat().trim_end_matches('0').to_owned();
-    found
-}
-
 fn guess<'a>(
     rows: &'a [VariableRow],
     wanted: (&str, Dimension),
@@ -134,7 +78,7 @@ fn guess<'a>(
     let names = NAMES.iter().find(|(name, _)| *name == wanted.0)?.1;
     let mut best: Option<(usize, Guess<'a>)> = None;
     for row in rows.iter().filter(|row| fits(row)) {
-        let read = words(&row.name);
+        let read = words(&called(row));
         if at_start && !read.start {
             continue;
         }
@@ -142,6 +86,9 @@ fn guess<'a>(
         let partial = names.iter().filter(|n| n.len() > 2).any(|n| read.joined.contains(n));
         let Some(mut cost) = exact.or(partial.then_some(20)) else { continue };
         let mut doubts = Vec::new();
+        if !row.dimensions.is_empty() {
+            doubts.push("elements taken for x, y, z".to_owned());
+        }
         if exact.is_none() {
             doubts.push(format!("the name only resembles `{}`", wanted.0));
         }
@@ -149,7 +96,7 @@ fn guess<'a>(
         match units::unit(&row.unit) {
             Some((dimension, _)) if dimension == wanted.1 => {}
             Some(_) => continue,
-            None => match read.unit {
+            None => match read.unit.or_else(|| bracketed(&row.description)) {
                 Some(named) if units::unit(&named).is_some_and(|(d, _)| d == wanted.1) => {
                     unit = Some(named);
                 }
@@ -182,7 +129,7 @@ pub fn propose(inspection: &Inspection, file: &str) -> String {
             OURS.trim_start()
         );
     }
-    let rows = &inspection.variables;
+    let rows = &expanded(&inspection.variables);
     let output = |row: &VariableRow| row.causality == "output" || row.causality == "local";
     let count = |frame| {
         let all = state_quantities(frame);
@@ -232,7 +179,7 @@ fn section<'a>(
     for (quantity, dimension) in quantities {
         let Some(found) = find((quantity, *dimension)) else {
             if all {
-                let _ = writeln!(text, "# {quantity} = ?  # no variable matches");
+                let _ = writeln!(text, "# {quantity} = ?  # unsure: no variable matches");
             }
             continue;
         };

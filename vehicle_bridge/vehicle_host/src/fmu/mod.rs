@@ -2,10 +2,12 @@
 //! which of its variables is which of our quantities.
 
 mod correct;
+mod element;
 mod error;
 mod guess;
 mod heard;
 pub mod map;
+mod names;
 mod preload;
 mod reduced;
 mod sense;
@@ -22,10 +24,10 @@ use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
 use super::{Vehicle, VehicleError};
 pub use correct::correct;
+use element::find;
 pub use error::FmuError;
 pub use guess::{is_ours, map_of_ours, propose};
 use map::{Entry, Frame, Map, input_quantities, quantities_of};
-use slave::row;
 pub use slave::{CoSimInstance, Value, Variable};
 use units::Dimension;
 
@@ -75,7 +77,7 @@ impl Group {
         for (name, dimension) in quantities {
             let Some(entry) = table.get(*name) else { continue };
             let variable = slave.variable(entry.variable())?;
-            let own = row(slave.inspection(), entry.variable()).map_or("", |row| &row.unit);
+            let own = find(slave.inspection(), entry.variable()).map_or("", |(row, _)| &row.unit);
             let conversion = entry
                 .factor(own, *dimension)
                 .map_err(|what| FmuError::Map(format!("{name} = {}: {what}", variable.name)))?;
@@ -338,9 +340,12 @@ pub fn misfits(map: &Map, file: &Path) -> Result<Vec<(String, String)>, FmuError
     let mut found = Vec::new();
     for (key, entry, dimension) in map.entries() {
         let name = entry.variable();
-        let Some(row) = row(&inspection, name) else {
-            found.push((key, format!("found no variable `{name}` in {}", file.display())));
-            continue;
+        let row = match find(&inspection, name) {
+            Ok((row, _)) => row,
+            Err(what) => {
+                found.push((key, format!("variable `{name}` of {}: {what}", file.display())));
+                continue;
+            }
         };
         let expected = match key.split('.').next() {
             Some("input") => "input",
@@ -357,9 +362,14 @@ pub fn misfits(map: &Map, file: &Path) -> Result<Vec<(String, String)>, FmuError
             found.push((key, format!("`{name}`: {what}")));
         }
     }
-    for name in map.parameters.keys().filter(|name| row(&inspection, name).is_none()) {
-        let key = format!("parameters.{name}");
-        found.push((key, format!("found no variable `{name}` in {}", file.display())));
+    for name in map.parameters.keys() {
+        if let Err(what) = find(&inspection, name) {
+            let shown = file.display();
+            found.push((
+                format!("parameters.{name}"),
+                format!("variable `{name}` of {shown}: {what}"),
+            ));
+        }
     }
     Ok(found)
 }

@@ -1,6 +1,7 @@
 //! A co-simulation FMU of either version, through the `fmi` crate.
 #![allow(unsafe_code, reason = "shared libraries of others are loaded and called")]
 
+use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::fs::{self, File};
 use std::io::Read as _;
@@ -11,8 +12,9 @@ use fmi::fmi2::instance::{self as instance2, CoSimulation as _, Common as _};
 use fmi::fmi3::import::Fmi3Import;
 use fmi::fmi3::{CoSimulation as _, Fmi3Model as _, GetSet as _};
 use fmi::traits::{FmiImport as _, FmiInstance as _};
-use fmu_core::{Inspection, VariableRow, inspect};
+use fmu_core::{Inspection, inspect};
 
+use super::element::{self, Element, find};
 use super::error::FmuError;
 use super::{heard, reduced};
 
@@ -36,6 +38,7 @@ pub struct Variable {
     pub name: String,
     kind: String,
     reference: u32,
+    element: Option<Element>,
 }
 
 enum Instance {
@@ -49,6 +52,8 @@ pub struct CoSimInstance {
     instance: Instance,
     inspection: Inspection,
     path: PathBuf,
+    /// Arrays of which elements are set, by reference: FMI sets them whole.
+    arrays: BTreeMap<u32, Vec<f64>>,
 }
 
 // SAFETY: FMI lets any thread call an instance, one at a time; `&mut self` sees to that.
@@ -82,7 +87,7 @@ impl CoSimInstance {
         } else {
             return Err(failed(format!("FMI version `{version}`, expected 2.0 or 3.0")));
         };
-        Ok(Self { instance, inspection, path: path.to_owned() })
+        Ok(Self { instance, inspection, path: path.to_owned(), arrays: BTreeMap::new() })
     }
 
     /// What is inside the FMU.
@@ -91,20 +96,19 @@ impl CoSimInstance {
         &self.inspection
     }
 
-    /// The variable of this name.
+    /// The variable of this name, or the element of an array: `velocity[0]`.
     ///
     /// # Errors
-    /// [`FmuError::NoVariable`] if there is no such variable.
+    /// [`FmuError::NoVariable`] if there is no such variable or element.
     pub fn variable(&self, name: &str) -> Result<Variable, FmuError> {
-        let row = row(&self.inspection, name).ok_or_else(|| FmuError::NoVariable {
-            path: self.path.clone(),
-            name: name.to_owned(),
+        let (row, element) = find(&self.inspection, name).map_err(|reason| {
+            FmuError::NoVariable { path: self.path.clone(), name: name.to_owned(), reason }
         })?;
         let reference = row.value_reference.parse().map_err(|_| FmuError::Load {
             path: self.path.clone(),
             reason: format!("{name}: value reference `{}` is no number", row.value_reference),
         })?;
-        Ok(Variable { name: name.to_owned(), kind: row.kind.clone(), reference })
+        Ok(Variable { name: name.to_owned(), kind: row.kind.clone(), reference, element })
     }
 
     fn outcome<T, E: std::fmt::Display>(
@@ -143,6 +147,9 @@ impl CoSimInstance {
             kind: to.kind.clone(),
             found: format!("{value:?}"),
         };
+        if let (Some(element), Value::Number(v)) = (to.element, value) {
+            return self.set_element(to, element, *v);
+        }
         #[expect(clippy::cast_possible_truncation, reason = "whole numbers of the right size")]
         match (&mut self.instance, to.kind.as_str(), value) {
             (Instance::Two(i, _), "Real", Value::Number(v)) => {
@@ -185,6 +192,53 @@ impl CoSimInstance {
         }
     }
 
+    /// Sets an array with this element in it, and all others as they were set last.
+    fn set_element(&mut self, to: &Variable, element: Element, v: f64) -> Result<(), FmuError> {
+        let row = find(&self.inspection, &to.name).ok().map(|(row, _)| row);
+        let array = self.arrays.entry(to.reference).or_insert_with(|| {
+            row.map_or_else(Vec::new, |row| element::starts(row, element.count))
+        });
+        if let Some(place) = array.get_mut(element.index) {
+            *place = v;
+        }
+        let vr = [to.reference];
+        #[expect(clippy::cast_possible_truncation, reason = "numbers of the right size")]
+        let done = match (&mut self.instance, to.kind.as_str()) {
+            (Instance::Three(i, _), "Float64") => i.set_float64(&vr, array),
+            (Instance::Three(i, _), "Float32") => {
+                i.set_float32(&vr, &array.iter().map(|v| *v as f32).collect::<Vec<_>>())
+            }
+            _ => return Err(self.no_array(to)),
+        };
+        self.outcome(&format!("setting {}", to.name), done.map(drop))
+    }
+
+    fn element(&mut self, of: &Variable, element: Element) -> Result<f64, FmuError> {
+        let vr = [of.reference];
+        let mut all = vec![0.0; element.count];
+        let found = match (&mut self.instance, of.kind.as_str()) {
+            (Instance::Three(i, _), "Float64") => i.get_float64(&vr, &mut all).map(drop),
+            (Instance::Three(i, _), "Float32") => {
+                let mut single = vec![0.0; element.count];
+                let done = i.get_float32(&vr, &mut single).map(drop);
+                all = single.into_iter().map(f64::from).collect();
+                done
+            }
+            _ => return Err(self.no_array(of)),
+        };
+        self.outcome(&format!("reading {}", of.name), found)?;
+        Ok(all.get(element.index).copied().unwrap_or(f64::NAN))
+    }
+
+    fn no_array(&self, of: &Variable) -> FmuError {
+        FmuError::Misfit {
+            path: self.path.clone(),
+            name: of.name.clone(),
+            kind: of.kind.clone(),
+            found: "an element of an array, expected Float64 or Float32".to_owned(),
+        }
+    }
+
     /// Reads numbers in order; `values` holds as many.
     ///
     /// # Errors
@@ -197,6 +251,9 @@ impl CoSimInstance {
     }
 
     fn number(&mut self, of: &Variable) -> Result<f64, FmuError> {
+        if let Some(element) = of.element {
+            return self.element(of, element);
+        }
         let vr = [of.reference];
         let mut real = [0.0];
         #[expect(clippy::cast_precision_loss, reason = "counts")]
@@ -283,11 +340,6 @@ impl CoSimInstance {
             reason: with_heard(&reason),
         })
     }
-}
-
-/// The row of a variable.
-pub(super) fn row<'a>(inspection: &'a Inspection, name: &str) -> Option<&'a VariableRow> {
-    inspection.variables.iter().find(|row| row.name == name)
 }
 
 /// An attribute of the model description, empty if it is not there.

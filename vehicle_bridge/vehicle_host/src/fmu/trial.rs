@@ -116,6 +116,13 @@ const UNITS: [(f64, &str); 8] = [
     (1e3, "thousands"),
 ];
 
+/// Of units that a map names and the FMU does not have.
+const WRONG_UNITS: [(f64, &str); 3] = [
+    (3.6, "m/s, not km/h"),
+    (1.0 / 0.447_04, "m/s, not mph"),
+    (180.0 / PI, "radians, not degrees"),
+];
+
 /// Tries a car that `parameters` describe, with measurements every `dt` \[s\].
 ///
 /// # Errors
@@ -308,12 +315,12 @@ fn unknown(quantity: &'static str) -> Finding {
 
 /// A measured quantity against the positions.
 fn compared(quantity: &'static str, ratio: f64, of: &str) -> Finding {
-    snapped("state", quantity, ratio, NEAR, of)
+    snapped("state", quantity, ratio, NEAR, of, &[&UNITS[..], &WRONG_UNITS[..]].concat())
 }
 
 /// What an input does against what it should.
 fn answered(section: &'static str, quantity: &'static str, ratio: f64, of: &str) -> Finding {
-    snapped(section, quantity, ratio, NEAR_ANSWER, of)
+    snapped(section, quantity, ratio, NEAR_ANSWER, of, &UNITS)
 }
 
 fn snapped(
@@ -322,9 +329,10 @@ fn snapped(
     ratio: f64,
     near: f64,
     of: &str,
+    units: &[(f64, &str)],
 ) -> Finding {
     let distance = |unit: f64| (ratio.abs() / unit).ln().abs();
-    let known = UNITS.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
+    let known = units.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
     let found = known.filter(|(unit, _)| distance(*unit) < near && ratio.is_finite());
     let mut note = format!("{ratio:.3} {of}");
     if ratio < 0.0 {

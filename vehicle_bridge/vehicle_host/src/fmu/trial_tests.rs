@@ -96,6 +96,10 @@ fn every_wrong_sense_and_unit_is_found_alone_and_together() {
         (one.state[place], all.state[place]) = (wrong, wrong);
         near(&tried(&mut one), quantity, right);
     }
+    // Named in km/h, but in m/s.
+    let mut named = Wrong::new(|_| {});
+    named.state[0] = (1.0 / 3.6, 0.0);
+    near(&tried(&mut named), "v_x", (3.6, 0.0));
     let trial = tried(&mut all);
     for (quantity, _, _, right) in states {
         near(&trial, quantity, right);
