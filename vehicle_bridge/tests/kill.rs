@@ -119,11 +119,12 @@ fn a_service_killed_in_mid_lap_drives_on_with_the_same_laps() {
         }
         assert!(known.len() > 10, "{} laps", known.len());
         // It drives on with all of them.
-        let (_program, loaded) = serve(&path);
+        let (program, loaded) = serve(&path);
         assert_eq!(loaded, known.len());
         while commands.take().is_some() {}
         driven(&commands, 20);
         println!("{loaded} laps in the end, {in_saving} kills while a file was being written");
+        drop(program);
         fs::remove_dir_all(&folder).unwrap();
     });
 }
