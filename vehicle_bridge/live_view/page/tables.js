@@ -171,21 +171,17 @@ export function steps(look) {
     if (solve > 0) { g.fillStyle = look.ink; g.fillRect(px(i) - bar / 2, py(solve / 1e3) - 1, bar, 2); }
   });
   const step = state.status?.step;
-<<<<<<< HEAD
-  set('step-text', step ? `${fixed(step.total_ms, 2)} of ${fixed(step.deadline_ms, 0)} ms · solver ${fixed(step.solve_ms, 2)} · longest ${fixed(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
+  set('step-text', step ? `${number(step.total_ms, 2)} of ${number(step.deadline_ms, 0)} ms · solver ${number(step.solve_ms, 2)} · longest ${number(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
   set('estimates', step ? estimates(step.estimates) : '');
 }
 
 // What the controller does and what it has found out, in one line.
 function estimates(e) {
-  const ms = (s) => `${fixed(1e3 * s, 0)} ms`, milli = ([e_psi, e_y]) => `${fixed(1e3 * e_y, 0)} mm ${fixed(1e3 * e_psi, 0)} mrad`;
+  const ms = (s) => `${number(1e3 * s, 0)} ms`, milli = ([e_psi, e_y]) => `${number(1e3 * e_y, 0)} mm ${number(1e3 * e_psi, 0)} mrad`;
   const parts = [`${e.action}${e.reason ? ` (${e.reason})` : ''}`.replaceAll('_', ' '),
-    `grip ${fixed(e.grip[0], 2)} ${fixed(e.grip[1], 2)} of nominal, road ${fixed(e.road_grip, 2)}`,
+    `grip ${number(e.grip[0], 2)} ${number(e.grip[1], 2)} of nominal, road ${number(e.road_grip, 2)}`,
     `delay ${ms(e.delay_s)}, lag ${ms(e.lag_s)} ${e.response_found ? 'estimated' : 'configured'}`];
   if (e.delay_change_s) parts.push(`commands act ${ms(Math.abs(e.delay_change_s))} ${e.delay_change_s > 0 ? 'later' : 'sooner'} than that`);
   if (e.sigma && e.noise) parts.push(`filter ${milli(e.sigma)} of ${milli(e.noise)}`);
   return parts.join(' · ');
-=======
-  set('step-text', step ? `${number(step.total_ms, 2)} of ${number(step.deadline_ms, 0)} ms · solver ${number(step.solve_ms, 2)} · longest ${number(step.worst_ms, 1)} · ${step.overruns} late · ${step.status}` : 'no step yet');
->>>>>>> main
 }
