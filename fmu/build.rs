@@ -4,8 +4,14 @@
 
 use std::path::{Path, PathBuf};
 
-const FOLDERS: [&str; 5] =
-    ["src", "../controller/src", "../vehicle_model/src", "../cars", "../tracks"];
+const FOLDERS: [&str; 6] = [
+    "src",
+    "../controller/src",
+    "../vehicle_model/src",
+    "../vehicle_model/track/src",
+    "../cars",
+    "../tracks",
+];
 
 fn files(folder: &Path, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {

@@ -147,13 +147,15 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "vehicle_bridge/vehicle_host",
         "fmi fmu_core libloading log roxmltree serde tempfile thiserror toml vehicle_model zip",
     ),
-    ("vehicle_model", "libm nalgebra pulp rand rand_pcg serde serde_json strsim thiserror toml"),
+    ("vehicle_model", "libm nalgebra pulp rand rand_pcg serde strsim thiserror toml track"),
+    ("vehicle_model/track", "libm nalgebra rand rand_pcg serde serde_json thiserror toml"),
 ];
 
 /// Crates without files, environment, clock, threads, network.
-const PURE: [&str; 6] = [
+const PURE: [&str; 7] = [
     "controller",
     "vehicle_model",
+    "vehicle_model/track",
     "vehicle_bridge/mapping",
     "vehicle_bridge/optimum",
     "vehicle_bridge/safety",

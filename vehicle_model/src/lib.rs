@@ -1,4 +1,4 @@
-//! Vehicle physics, race tracks and the frames between them.
+//! Vehicle physics. Race tracks and the frames on them are those of the crate [`track`].
 //!
 //! One source of equations for three users: the controller's nominal model, every simulated
 //! car, and the vehicle FMU. Frames and signs follow ISO 8855: x forward, y left, z up; yaw,
@@ -10,7 +10,6 @@
 
 pub mod discretized;
 pub mod error;
-mod fingerprint;
 pub mod limiter;
 pub mod model;
 pub mod normal;
@@ -21,13 +20,13 @@ pub mod plant;
 pub mod road;
 pub mod slip;
 pub mod state;
-pub mod track;
 mod tracking;
 mod unknown_key;
 
+pub use track;
+
 pub use discretized::{Discretized, Linearization};
 pub use error::ModelError;
-pub use fingerprint::fingerprint;
 pub use limiter::{Limit, Limited, Limiter};
 pub use model::{
     AxleForces, Model, ModelKind, PoseConvention, SPATIAL_RATES, SPATIAL_VARIABLES,
@@ -42,6 +41,6 @@ pub use plant::{Disturbance, GripChange, Plant, PlantParams, PlantState, SensorN
 pub use road::{Road, RoadPoint, Surface};
 pub use slip::SlipAngles;
 pub use state::{GlobalState, Input, NU, NX, State};
-pub use track::{Projection, Segment, Track, TrackError};
+pub use track::{Projection, Segment, Track, TrackError, fingerprint};
 pub use tracking::Tracker;
 pub use unknown_key::explain_unknown_key;

@@ -11,7 +11,7 @@ mod tyre_file;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fingerprint::Fnv1a;
+use track::{CarSize, fingerprint};
 
 pub use check::ParamProblem;
 pub use keys::{CAR_KEYS, CarDefault, CarGroup, CarKey, CarRange};
@@ -214,18 +214,26 @@ impl CarParams {
     /// the same on every machine. Two cars with equal fingerprints have equal equations.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
-        let mut hash = Fnv1a::new();
-        for key in CAR_KEYS.iter().filter(|key| key.key != TOP_SPEED) {
-            // An absent limit counts as infinite.
-            hash.write((key.get)(self).unwrap_or(f64::INFINITY).to_bits());
-        }
+        let keys = CAR_KEYS.iter().filter(|key| key.key != TOP_SPEED);
+        // An absent limit counts as infinite.
+        let value = |key: &CarKey| (key.get)(self).unwrap_or(f64::INFINITY).to_bits();
+        let mut words: Vec<u64> = keys.map(value).collect();
         // Absent it adds nothing: cars without it keep the fingerprint they had.
         if let Some(speed) = self.speed_max {
-            hash.write(speed.to_bits());
+            words.push(speed.to_bits());
         }
-        for switch in [self.front_force_yaw, self.combined_slip] {
-            hash.write(u64::from(switch));
+        words.extend([self.front_force_yaw, self.combined_slip].map(u64::from));
+        fingerprint(&words)
+    }
+}
+
+impl<'a> From<&'a CarParams> for CarSize<'a> {
+    fn from(car: &'a CarParams) -> Self {
+        Self {
+            name: &car.name,
+            width: car.width,
+            lock: car.wheelbase() / libm::tan(car.delta_max),
+            grip: car.tyre_front.mu.min(car.tyre_rear.mu) * GRAVITY,
         }
-        hash.finish()
     }
 }

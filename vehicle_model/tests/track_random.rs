@@ -2,9 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+#[path = "../track/tests/common/mod.rs"]
+mod common;
 
-use track_common::ellipse;
+use common::ellipse;
 use vehicle_model::track::{ImportOptions, points_to_toml, random};
 use vehicle_model::{CarParams, Track};
 

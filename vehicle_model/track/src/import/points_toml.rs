@@ -2,7 +2,7 @@
 
 use super::segments_toml::{POSITIVE, Reader};
 use super::stations_toml;
-use crate::track::{ImportOptions, Imported, Origin, TrackError, TrackPoint, survey};
+use crate::{ImportOptions, Imported, Origin, TrackError, TrackPoint, survey};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -1,12 +1,12 @@
 //! Damaged files: whatever the bytes, an answer and no panic.
 
-mod track_common;
+mod common;
 
+use common::ellipse;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::fmt::Write;
-use track_common::ellipse;
-use vehicle_model::Track;
+use track::Track;
 
 /// Small files of each format.
 fn files() -> Vec<(&'static str, String)> {
@@ -20,7 +20,7 @@ fn files() -> Vec<(&'static str, String)> {
         let edges = format!("{} {} {} {}", 0.9 * x, 0.9 * y, 1.1 * x, 1.1 * y);
         assert!(writeln!(ttl, "{x} {y} 0 0 -100 0 0 0 0 {edges} 0 0 0 0").is_ok());
     }
-    let toml = include_str!("../../tracks/road_course.toml").to_owned();
+    let toml = include_str!("../../../tracks/road_course.toml").to_owned();
     vec![("a.csv", csv), ("a.txt", ttl), ("a.toml", toml)]
 }
 

@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+mod common;
 
+use common::ellipse;
 use std::fmt::Write;
-use track_common::ellipse;
-use vehicle_model::Track;
-use vehicle_model::track::TrackPoint;
+use track::{Track, TrackPoint};
 
 /// The points as TUMFTM writes them.
 fn csv(points: &[TrackPoint]) -> String {

@@ -2,11 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+mod common;
 
-use track_common::ellipse;
-use vehicle_model::track::{ImportOptions, Imported, Station, points_to_toml};
-use vehicle_model::{Track, TrackError};
+use common::ellipse;
+use track::{ImportOptions, Imported, Station, Track, TrackError, points_to_toml};
 
 const OVAL: &str = "name = \"oval\"\nwidth_left_m = 4.0\nwidth_right_m = 4.0\n\
     [[segment]]\nlength_m = 100.0\n[[segment]]\nradius_m = 20.0\nangle_deg = 180.0\n\

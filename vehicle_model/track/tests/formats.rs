@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+mod common;
 
+use common::ellipse;
 use std::fmt::Write;
-use track_common::ellipse;
-use vehicle_model::track::{ImportOptions, Imported};
-use vehicle_model::{Track, TrackError};
+use track::{ImportOptions, Imported, Track, TrackError};
 
 /// The file with a half width of 4 m.
 fn import(file: &str, text: &str) -> Imported {
@@ -37,7 +36,7 @@ fn tables_without_widths_are_the_line_with_the_given_one() {
     let bare: String = raceline.lines().skip(1).flat_map(|line| [line, "\n"]).collect();
     let same: Vec<_> = points
         .iter()
-        .map(|p| vehicle_model::track::TrackPoint { width_left: 4.0, width_right: 4.0, ..*p })
+        .map(|p| track::TrackPoint { width_left: 4.0, width_right: 4.0, ..*p })
         .collect();
     let exact = Track::from_points("a", &same).unwrap();
     for text in [&plain, &raceline, &bare, &format!("x,y\n{plain}")] {

@@ -1,11 +1,10 @@
 //! Tracks through points against curves whose length and curvature are known.
 
-mod track_common;
+mod common;
 
+use common::{ELLIPSE, clockwise, ellipse};
 use std::f64::consts::TAU;
-use track_common::{ELLIPSE, clockwise, ellipse};
-use vehicle_model::Track;
-use vehicle_model::track::TrackPoint;
+use track::{Track, TrackPoint};
 
 /// Length of the ellipse by the arithmetic-geometric mean (Gauss).
 fn perimeter(a: f64, b: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
 
 use super::{points_toml, stations_toml};
-use crate::track::{ImportOptions, Imported, Segment, TrackError, segment};
+use crate::{ImportOptions, Imported, Segment, TrackError, segment};
 use std::f64::consts::PI;
 use std::ops::Range;
 use toml::Spanned;

@@ -1,13 +1,12 @@
 //! Global to Frenet and back, on every kind of track.
 
-mod track_common;
+mod common;
 
+use common::{all, peanut, tapered};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
-use track_common::{all, peanut, tapered};
-use vehicle_model::track::wrap_angle;
-use vehicle_model::{GlobalState, State, Track};
+use track::{GlobalState, State, Track, wrap_angle};
 
 /// Bar of the round trip.
 const TOLERANCE: f64 = 1e-9;

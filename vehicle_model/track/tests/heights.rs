@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use rand::{RngExt, SeedableRng};
-use vehicle_model::Track;
+use track::Track;
 
 const RADIUS: f64 = 80.0;
 /// Height of the two hills \[m\].

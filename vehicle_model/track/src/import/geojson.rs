@@ -1,7 +1,7 @@
 //! Lines of GeoJSON (RFC 7946): longitude, latitude and perhaps height of each point.
 
 use super::globe::{self, Fix};
-use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
+use crate::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 use serde_json::Value;
 
 /// A line with the properties of its feature.

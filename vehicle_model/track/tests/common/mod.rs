@@ -3,8 +3,7 @@
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, clippy::expect_used)]
 
 use std::f64::consts::{PI, TAU};
-use vehicle_model::track::TrackPoint;
-use vehicle_model::{Segment, Track};
+use track::{Segment, Track, TrackPoint};
 
 /// Half axes of the ellipse [m].
 pub const ELLIPSE: (f64, f64) = (60.0, 35.0);

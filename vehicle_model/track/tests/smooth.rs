@@ -7,8 +7,7 @@ use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 use std::fmt::Write;
 use std::path::PathBuf;
-use vehicle_model::track::{Change, ImportOptions, Imported};
-use vehicle_model::{Track, TrackError};
+use track::{Change, ImportOptions, Imported, Track, TrackError};
 
 /// Points of the track's centre line at this spacing with normal noise, as TUMFTM writes them.
 fn surveyed(track: &Track, spacing: f64, noise: f64, seed: u64) -> String {
@@ -52,7 +51,7 @@ fn errors(track: &Track, exact: &Track, apart: f64) -> (f64, f64, f64) {
 
 #[test]
 fn every_real_file_loads() {
-    let shared = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/tracks");
+    let shared = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/tracks");
     for folder in ["", "tum", "f1tenth", "noisy"] {
         let Ok(entries) = std::fs::read_dir(shared.join(folder)) else { continue };
         for file in entries.map(|e| e.unwrap().path()).filter(|f| f.is_file()) {

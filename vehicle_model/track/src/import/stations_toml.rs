@@ -1,7 +1,7 @@
 //! What our own track format has along s: `[[station]]`.
 
 use super::segments_toml::Reader;
-use crate::track::{Imported, Station, TrackError};
+use crate::{Imported, Station, TrackError};
 use std::f64::consts::FRAC_PI_2;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

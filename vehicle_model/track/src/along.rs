@@ -1,8 +1,6 @@
 //! What a track has along s besides its line and widths: bank, slope, friction, speed limits.
 
-use super::Track;
-use crate::fingerprint::fingerprint;
-use crate::road::Surface;
+use super::{Surface, Track, fingerprint};
 use std::f64::consts::FRAC_PI_2;
 
 /// What holds at a place of the centre line. What is `None` is not stated there: bank, slope and

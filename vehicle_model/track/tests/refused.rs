@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+mod common;
 
+use common::{ellipse, peanut};
 use std::f64::consts::{FRAC_PI_2, PI};
-use track_common::{ellipse, peanut};
-use vehicle_model::track::TrackPoint;
-use vehicle_model::{Segment, Track, TrackError};
+use track::{Segment, Track, TrackError, TrackPoint};
 
 fn refused(segments: &[Segment], width: f64) -> TrackError {
     Track::from_segments("bad", segments, width, width).unwrap_err()

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use vehicle_model::Track;
+use track::Track;
 
 /// Distance along the lap below which two places belong to the same corner [m].
 const SAME_CORNER: f64 = 120.0;

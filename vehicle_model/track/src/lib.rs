@@ -5,7 +5,7 @@
 //! in any lap; it is wrapped to [0, L).
 //!
 //! ```
-//! use vehicle_model::{State, Track};
+//! use track::{State, Track};
 //!
 //! let track = Track::builtin("l").ok_or("ships with the crate")?;
 //! let x = State { s: 3.0, e_y: 0.2, ..State::default() };
@@ -14,14 +14,19 @@
 //! assert!((back.s - x.s).abs() < 1e-9 && (back.e_y - x.e_y).abs() < 1e-9);
 //! # Ok::<(), &str>(())
 //! ```
+#![forbid(unsafe_code)]
+// The same bits on every machine: no function of the platform's mathematical library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod along;
 mod arc;
 mod builtin;
+mod car_size;
 mod changes;
 mod crossing;
 mod drivable;
 mod error;
+mod fingerprint;
 mod frenet;
 mod hills;
 mod import;
@@ -29,20 +34,26 @@ mod outliers;
 mod path;
 mod points;
 mod random;
+mod road;
 mod segment;
 mod smooth;
 mod spline;
+mod state;
 mod survey;
 mod widths;
 mod write;
 
 pub use along::Station;
+pub use car_size::CarSize;
 pub use changes::{Change, ImportOptions, Imported, Origin, Side};
 pub use error::{Place, TrackError};
+pub use fingerprint::fingerprint;
 pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
 pub use random::random;
+pub use road::{Road, Surface, TrackRoad};
 pub use segment::Segment;
+pub use state::{GlobalState, NX, State};
 pub use write::points_to_toml;
 
 use along::Along;
@@ -175,7 +186,8 @@ impl Track {
 
     /// Curvature [1/m] and distances to the left and the right edge \[m\] from s - `reach` to s + `reach`, if
     /// that lies within one straight or arc and neither changes.
-    pub(crate) fn even_around(&self, s: f64, reach: f64) -> Option<(f64, [f64; 2])> {
+    #[must_use]
+    pub fn even_around(&self, s: f64, reach: f64) -> Option<(f64, [f64; 2])> {
         let s = self.wrap(s);
         let kappa = self.path.constant(s - reach, s + reach)?;
         let (left, right) = self.widths.even(s - reach, s + reach)?;

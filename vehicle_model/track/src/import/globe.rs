@@ -1,6 +1,6 @@
 //! Positions on the globe, projected to the plane that touches it in their middle.
 
-use crate::track::{Origin, TrackError};
+use crate::{Origin, TrackError};
 
 /// Semi-major axis of WGS 84 [m].
 const A: f64 = 6_378_137.0;

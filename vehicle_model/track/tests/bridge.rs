@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
-use vehicle_model::{Segment, State, Track};
+use track::{Segment, State, Track};
 
 /// A figure of eight of two three-quarter circles.
 fn eight() -> Track {

@@ -1,8 +1,7 @@
 //! Whether a car can drive a track: room for its body, and bends within its steering lock.
 
-use super::Track;
 use super::error::{Place, TrackError};
-use crate::params::CarParams;
+use super::{CarSize, Track};
 
 /// Largest width of a track at its narrowest place, in widths of the body: that of a runway.
 const WIDEST: f64 = 100.0;
@@ -50,8 +49,8 @@ impl Track {
     ///
     /// A survey whose noise was not smoothed shows here as bends of small radius.
     #[must_use]
-    pub fn problems_for(&self, car: &CarParams) -> Vec<TrackError> {
-        let lock = car.wheelbase() / libm::tan(car.delta_max);
+    pub fn problems_for<'a>(&self, car: impl Into<CarSize<'a>>) -> Vec<TrackError> {
+        let CarSize { width: body, lock, .. } = car.into();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let count = ((DENSITY * self.length() / self.narrowest()).ceil() as usize).clamp(64, MOST);
         let step = self.length() / count as f64;
@@ -61,7 +60,7 @@ impl Track {
         let kappa_at = self.kappa_along();
         let mut close = |bend: Option<Bend>| {
             let Some(bend) = bend else { return };
-            let radius = bend.widest(car.width);
+            let radius = bend.widest(body);
             if radius < lock && sharp.is_none_or(|(_, least)| radius < least) {
                 sharp = Some((bend.place, radius));
             }
@@ -73,7 +72,7 @@ impl Track {
                 let (x, y) = self.position(s);
                 Place { s, x, y }
             };
-            if left + right <= car.width && narrow.is_none_or(|(_, width)| left + right < width) {
+            if left + right <= body && narrow.is_none_or(|(_, width)| left + right < width) {
                 narrow = Some((place(), left + right));
             }
             let kappa = kappa_at(s);
@@ -97,10 +96,9 @@ impl Track {
             });
         }
         close(bend);
-        let narrow =
-            narrow.map(|(place, width)| TrackError::TooNarrow { place, width, body: car.width });
+        let narrow = narrow.map(|(place, width)| TrackError::TooNarrow { place, width, body });
         let sharp = sharp.map(|(place, radius)| TrackError::TooSharp { place, radius, lock });
-        let (width, body) = (self.narrowest(), car.width);
+        let width = self.narrowest();
         let share = width / body;
         let wide =
             (share > WIDEST).then_some(TrackError::TooWide { width, body, share, limit: WIDEST });

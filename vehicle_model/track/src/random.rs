@@ -1,7 +1,6 @@
 //! Random closed tracks at a car's scale: straights into hairpins, chicanes, changing width.
 
-use super::{Segment, Track, TrackError, wrap_angle};
-use crate::params::{CarParams, GRAVITY};
+use super::{CarSize, Segment, Track, TrackError, wrap_angle};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::TAU;
@@ -45,13 +44,11 @@ struct Scale {
 
 impl Scale {
     /// The lengths of this car.
-    fn of(car: &CarParams) -> Self {
+    fn of(car: &CarSize<'_>) -> Self {
         let width = WIDTH * car.width;
-        let lock = car.wheelbase() / libm::tan(car.delta_max);
-        let radius = (LEAST_RADIUS.0 * lock).max(LEAST_RADIUS.1 * width);
-        let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
+        let radius = (LEAST_RADIUS.0 * car.lock).max(LEAST_RADIUS.1 * width);
         // The square of the cornering speed, in that of a fast car.
-        let speed = mu * GRAVITY * radius / (FAST * FAST);
+        let speed = car.grip * radius / (FAST * FAST);
         let size = radius * (1.0 + speed);
         Self { width, radius, size: (SIZE.0 * size, SIZE.1 * size) }
     }
@@ -74,10 +71,11 @@ struct Corner {
 /// than 1.3 widths.
 ///
 /// # Errors
-/// If the car's numbers are such that no track can be drawn; never for a car that
-/// [`CarParams::validate`] takes.
-pub fn random(seed: u64, car: &CarParams) -> Result<Track, TrackError> {
-    let scale = Scale::of(car);
+/// If the car's numbers are such that no track can be drawn; never for a car
+/// whose parameters are in their ranges.
+pub fn random<'a>(seed: u64, car: impl Into<CarSize<'a>>) -> Result<Track, TrackError> {
+    let car = car.into();
+    let scale = Scale::of(&car);
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let name = format!("random_{}_{seed}", car.name);
     for _ in 0..DRAWS {

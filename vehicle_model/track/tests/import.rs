@@ -2,14 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod track_common;
+mod common;
 
+use common::{clockwise, ellipse};
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
-use track_common::{clockwise, ellipse};
-use vehicle_model::track::TrackPoint;
-use vehicle_model::{Segment, Track, TrackError};
+use track::{Segment, Track, TrackError, TrackPoint};
 
 /// A centre line as TUMFTM writes it.
 fn tumftm(points: &[TrackPoint]) -> String {
@@ -107,7 +106,7 @@ fn segments_in_toml_are_the_segments_in_code() {
             { radius_m = 25.0, length_m = 78.53981633974483 },
         ]";
     let read = Track::parse("whatever.toml", text).unwrap();
-    let code = track_common::tapered();
+    let code = common::tapered();
     assert_eq!(read.name(), "oval");
     assert_same(&read, &code);
     assert_eq!(read.fingerprint(), code.fingerprint());
@@ -258,7 +257,7 @@ const REAL: [(&str, f64, f64, f64, f64); 5] = [
 
 #[test]
 fn real_files_are_taken_where_they_are_at_hand() {
-    let shared = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/tracks");
+    let shared = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/tracks");
     for (name, length, tolerance, kappa, turns) in REAL {
         let Ok(text) = std::fs::read_to_string(shared.join(name)) else { continue };
         let track = Track::parse(name, &text).unwrap();

@@ -3,7 +3,7 @@
 use super::FORMATS;
 use super::columns::{Columns, Position, WidthColumns};
 use super::globe::{self, Fix};
-use crate::track::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
+use crate::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 
 /// A number and the column of its first character, from 1.
 type Cell = (f64, usize);

@@ -3,8 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::path::PathBuf;
-use vehicle_model::track::{Segment, wrap_angle};
-use vehicle_model::{GlobalState, State, Track};
+use track::{GlobalState, Segment, State, Track, wrap_angle};
 
 /// Bar of the comparison; the implementations agree much closer than this.
 const TOLERANCE: f64 = 1e-9;
@@ -13,7 +12,7 @@ fn read(name: &str) -> String {
     // A relative folder counts from the workspace, wherever the test is started.
     let named = std::env::var_os("LMPC_REFERENCE_DIR");
     let named = named.map_or_else(|| PathBuf::from("tests/data/reference"), PathBuf::from);
-    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(named);
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(named);
     std::fs::read_to_string(dir.join(name)).unwrap()
 }
 

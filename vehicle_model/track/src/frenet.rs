@@ -3,8 +3,7 @@
 //! A point is r(s) + e_y n(s) with the unit normal n to the left. Its s is where the distance
 //! to the centre line is least, which needs 1 - kappa e_y > 0.
 
-use super::Track;
-use crate::state::{GlobalState, State};
+use super::{GlobalState, State, Track};
 use std::f64::consts::{PI, TAU};
 
 /// How far a warm projection follows the centre line from its hint, in widths of the track.
