@@ -1,5 +1,6 @@
 //! One control step of a model: Runge-Kutta 4 with the input held, and its exact Jacobians.
 
+mod bend;
 mod direct;
 #[cfg(test)]
 mod oracle;
@@ -9,6 +10,8 @@ mod velocities;
 
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
+pub(crate) use bend::Bend;
+use bend::reals;
 use direct::Direct;
 use variation::Variation;
 use velocities::{ByGrip, Velocities};
@@ -16,7 +19,7 @@ use velocities::{ByGrip, Velocities};
 use crate::model::{
     Held, Model, ModelKind, PoseConvention, Terrain, ground, pose_rates, state_array,
 };
-use crate::number::{Number, Real};
+use crate::number::Number;
 use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
 
@@ -26,7 +29,8 @@ const DIRECTIONS: usize = NX + NU;
 /// A model sampled with a control step: `substeps` steps of Runge-Kutta 4 over `dt`.
 ///
 /// Curvature and surface are looked up at every stage from the value of s and frozen in the Jacobian
-/// (d kappa/d s = 0): differences across a jump of curvature would be meaningless and huge.
+/// (d kappa/d s = 0): differences across a jump of curvature would be meaningless and huge. Where the
+/// curvature jumps, the stages of a Runge-Kutta step share its mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discretized {
     /// The continuous model.
@@ -141,11 +145,12 @@ impl Discretized {
     fn integrate<T: Number, const N: usize>(
         &self,
         mut x: [T; N],
-        system: &impl Rates<T, N>,
+        mut system: impl Rates<T, N>,
     ) -> [T; N] {
         let (substeps, h) = self.grid();
         for _ in 0..substeps {
-            x = runge_kutta_4(&x, h, system);
+            system.begin(&x, h);
+            x = runge_kutta_4(&x, h, &system);
         }
         x
     }
@@ -161,8 +166,9 @@ impl Discretized {
     ) -> [T; NX] {
         let u = Held::new(u);
         match self.model.kind {
-            ModelKind::Dynamic => self
-                .integrate(*x, &Dynamics::<T, HILLS> { model: &self.model, held: &u, grip, road }),
+            ModelKind::Dynamic => {
+                self.integrate(*x, Dynamics::<T, HILLS>::new(&self.model, &u, grip, road))
+            }
             ModelKind::Kinematic => self.kinematic_step(x, &u, road),
         }
     }
@@ -199,16 +205,17 @@ impl Discretized {
                 std::array::from_fn(|i| measured[i] + (reached[i] - measured[i]) * share)
             }
         };
-        let mut pose = start;
+        let (mut pose, mut bend) = (start, Bend::new(road));
         for i in 0..substeps {
             #[expect(clippy::cast_precision_loss, reason = "a handful of sub-steps")]
             let begin = i as f64 * h;
+            bend.begin(&reals(&velocities(begin), 0), &reals(&pose, 0), h);
             pose = runge_kutta_4(&pose, h, &|pose: &[T; 3], t| {
-                let v = velocities(begin + t);
+                let (v, s) = (velocities(begin + t), pose[1].real());
                 if road.is_flat() {
-                    return pose_rates(&v, pose, pose[1].real().map(|s| road.kappa(s)));
+                    return pose_rates(&v, pose, bend.kappa(s));
                 }
-                ground(&Terrain::new(road, pose[1].real()), &v, pose).0
+                ground(&Terrain::bent(road, s, bend.kappa(s)), &v, pose).0
             });
         }
         [reached[0], reached[1], reached[2], pose[0], pose[1], pose[2]]
@@ -217,21 +224,35 @@ impl Discretized {
 
 /// The dynamic model on any road. A closure would be compiled apart from the vector instructions
 /// around it: slow, and larger than all the rest of the program.
-struct Dynamics<'a, T, const HILLS: bool> {
+struct Dynamics<'a, T: Number, const HILLS: bool> {
     model: &'a Model,
     held: &'a Held<T>,
     grip: &'a [T; 2],
     road: &'a dyn Road,
+    bend: Bend<'a, T::Real>,
+}
+
+impl<'a, T: Number, const HILLS: bool> Dynamics<'a, T, HILLS> {
+    #[inline(always)]
+    fn new(model: &'a Model, held: &'a Held<T>, grip: &'a [T; 2], road: &'a dyn Road) -> Self {
+        Self { model, held, grip, road, bend: Bend::new(road) }
+    }
 }
 
 impl<T: Number, const HILLS: bool> Rates<T, NX> for Dynamics<'_, T, HILLS> {
     #[inline(always)]
+    fn begin(&mut self, x: &[T; NX], h: f64) {
+        self.bend.begin(&reals(x, 0), &reals(x, 3), h);
+    }
+
+    #[inline(always)]
     fn rates(&self, x: &[T; NX], _: f64, stage: &mut Stage<T, NX>) {
-        let Self { model, held, grip, road } = self;
+        let Self { model, held, grip, road, bend } = self;
+        let s = x[4].real();
         let rates = if HILLS {
-            model.derivative_on(x, held, &Terrain::new(*road, x[4].real()), grip)
+            model.derivative_on(x, held, &Terrain::bent(*road, s, bend.kappa(s)), grip)
         } else {
-            model.rates_along(x, held, *road, grip)
+            model.rates_along(x, held, *road, bend.kappa(s), grip)
         };
         stage.take_all(rates);
     }
@@ -239,6 +260,10 @@ impl<T: Number, const HILLS: bool> Rates<T, NX> for Dynamics<'_, T, HILLS> {
 
 /// Rates of change of a system.
 pub(crate) trait Rates<T, const N: usize> {
+    /// A Runge-Kutta step of length `h` \[s\] begins at `x`.
+    #[inline(always)]
+    fn begin(&mut self, _x: &[T; N], _h: f64) {}
+
     /// Gives the rates at `x`, at time `t` since the start of a step, one by one to `stage`.
     fn rates(&self, x: &[T; N], t: f64, stage: &mut Stage<T, N>);
 }

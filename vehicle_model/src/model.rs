@@ -12,7 +12,7 @@ mod tyre;
 
 use serde::{Deserialize, Serialize};
 
-use crate::number::{Number, Real};
+use crate::number::Number;
 use crate::params::CarParams;
 use crate::road::Road;
 use crate::state::{Input, NU, NX, State};
@@ -108,7 +108,8 @@ impl Model {
     /// [`Model::derivative`] on any road.
     #[must_use]
     pub fn derivative_along(&self, x: &State, u: &Input, road: &dyn Road) -> [f64; NX] {
-        self.rates_along(&state_array(x), &Held::new(&[u.a, u.delta]), road, &self.grip)
+        let held = Held::new(&[u.a, u.delta]);
+        self.rates_along(&state_array(x), &held, road, road.kappa(x.s), &self.grip)
     }
 
     /// [`Model::forces`] on any road.
@@ -148,19 +149,20 @@ impl Model {
         [velocity[0], velocity[1], velocity[2], pose[0], pose[1], pose[2]]
     }
 
-    /// The same on any road, which is looked up at the value of s.
+    /// The same on any road, whose surface is looked up at the value of s, with this curvature.
     #[inline(always)]
     pub(crate) fn rates_along<T: Number>(
         &self,
         x: &[T; NX],
         u: &Held<T>,
         road: &dyn Road,
+        kappa: T::Real,
         grip: &[T; 2],
     ) -> [T; NX] {
         if road.is_flat() {
-            return self.derivative_generic(x, u, x[4].real().map(|s| road.kappa(s)), grip);
+            return self.derivative_generic(x, u, kappa, grip);
         }
-        self.derivative_on(x, u, &Terrain::new(road, x[4].real()), grip)
+        self.derivative_on(x, u, &Terrain::bent(road, x[4].real(), kappa), grip)
     }
 
     /// The same on a road that is not flat.

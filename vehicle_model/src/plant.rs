@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discretized::runge_kutta_4;
+use crate::discretized::{Bend, runge_kutta_4};
 use crate::error::ModelError;
 use crate::model::{AxleForces, Held, Model, ModelKind, state_array};
 use crate::params::{CarParams, ParamProblem};
@@ -187,8 +187,11 @@ impl Plant {
         let (model, track) = (&self.model, &self.track);
         let input = Held::new(&[u.a, u.delta]);
         let (flat, road) = (track.is_flat(), track.road());
+        let mut bend = Bend::new(&road);
+        let State { v_x, v_y, omega_z, e_psi, s, e_y } = before;
+        bend.begin(&[v_x, v_y, omega_z], &[e_psi, s, e_y], h);
         let next = runge_kutta_4(&state_array(&before), h, &|x: &[f64; crate::NX], _| {
-            let mut rates = model.rates_along(x, &input, &road, &model.grip);
+            let mut rates = model.rates_along(x, &input, &road, bend.kappa(x[4]), &model.grip);
             if disturbance.pushes() {
                 let heading = track.heading(x[4]) + x[3];
                 let [a_x, a_y] = disturbance.acceleration(heading, model.params.mass);

@@ -12,7 +12,7 @@
 use nalgebra::{Matrix6, Matrix6x2, Vector6};
 
 use super::sensitivity::AlongStep;
-use super::{Discretized, Linearization, Rates, Stage};
+use super::{Bend, Discretized, Linearization, Rates, Stage, reals};
 use crate::model::{Held, pose_rates};
 use crate::number::{Dual, Real};
 use crate::road::Road;
@@ -60,7 +60,7 @@ fn integrate<T: Real>(step: &Discretized, x: &[T; NX], u: [T; NU], road: &dyn Ro
         y[V + i * N + i] = one;
     }
     (y[Q], y[Q + 5]) = (one, one);
-    step.integrate(y, &System::new(step, u, road))
+    step.integrate(y, System::new(step, u, road))
 }
 
 /// The matrices of the array `y`.
@@ -86,11 +86,11 @@ fn unpack(y: impl Fn(usize) -> f64) -> Linearization {
 
 /// State, V, P and Q as a system of differential equations. A closure would be compiled apart from
 /// the vector instructions around it.
-struct System<'a, T> {
+struct System<'a, T: Real> {
     step: &'a Discretized,
     held: Held<Dual<T, N>>,
     grip: [Dual<T, N>; 2],
-    road: &'a dyn Road,
+    bend: Bend<'a, T>,
 }
 
 impl<'a, T: Real> System<'a, T> {
@@ -98,18 +98,23 @@ impl<'a, T: Real> System<'a, T> {
     fn new(step: &'a Discretized, u: [T; NU], road: &'a dyn Road) -> Self {
         let grip = step.model.grip.map(|grip| Dual::fixed(u[0].constant(grip)));
         let u = [Dual::direction(u[0], 3), Dual::direction(u[1], 4)];
-        Self { step, held: Held::new(&u), grip, road }
+        Self { step, held: Held::new(&u), grip, bend: Bend::new(road) }
     }
 }
 
 impl<T: Real> Rates<T, ALL> for System<'_, T> {
+    #[inline(always)]
+    fn begin(&mut self, y: &[T; ALL], h: f64) {
+        self.bend.begin(&reals(y, 0), &reals(y, 3), h);
+    }
+
     #[inline(always)]
     fn rates(&self, y: &[T; ALL], _: f64, stage: &mut Stage<T, ALL>) {
         let seed = Dual::<T, N>::direction;
         let v = [seed(y[0], 0), seed(y[1], 1), seed(y[2], 2)];
         let v_dot = self.step.model.velocity_rates(&v, &self.held, &self.grip, None);
         let pose = [seed(y[3], 3), Dual::fixed(y[4]), seed(y[5], 4)];
-        let kappa = y[4].map(|s| self.road.kappa(s));
+        let kappa = self.bend.kappa(y[4]);
         let pose_dot = pose_rates(&v, &pose, kappa);
 
         // The curvature is frozen: no rate depends on s. Of the rates of the pose, s' does not depend on

@@ -65,12 +65,12 @@ fn velocities<T: Number>(
     }
     if !step.varies(road) {
         let (model, held) = (&step.model, &Held::new(u));
-        let system = Dynamics::<T, true> { model, held, grip, road };
-        let [v_x, v_y, omega_z, ..] = step.integrate(*x, &system);
+        let system = Dynamics::<T, true>::new(model, held, grip, road);
+        let [v_x, v_y, omega_z, ..] = step.integrate(*x, system);
         return [v_x, v_y, omega_z];
     }
     let system = OnTheFlat { model: &step.model, held: &Held::new(u), grip };
-    step.integrate([x[0], x[1], x[2]], &system)
+    step.integrate([x[0], x[1], x[2]], system)
 }
 
 /// The velocities of the dynamic model on a flat road as a system of its own.

@@ -49,14 +49,19 @@ impl<R: Real> Terrain<R> {
     /// Of a road at s.
     #[inline(always)]
     pub(crate) fn new(road: &dyn Road, s: R) -> Self {
-        let mut seen = [[0.0; 8]; MOST_LANES];
+        Self::bent(road, s, s.map(|s| road.kappa(s)))
+    }
+
+    /// Of a road at s, with this curvature.
+    #[inline(always)]
+    pub(crate) fn bent(road: &dyn Road, s: R, kappa: R) -> Self {
+        let mut seen = [[0.0; 7]; MOST_LANES];
         let mut lane = 0;
         let _ = s.map(|s| {
             let surface = road.surface(s);
             let (sin_bank, cos_bank) = libm::sincos(surface.bank);
             let (sin_slope, cos_slope) = libm::sincos(surface.slope);
             seen[lane.min(MOST_LANES - 1)] = [
-                road.kappa(s),
                 sin_bank,
                 cos_bank,
                 sin_slope,
@@ -76,14 +81,14 @@ impl<R: Real> Terrain<R> {
             })
         };
         Self {
-            kappa: all(0),
-            sin_bank: all(1),
-            cos_bank: all(2),
-            sin_slope: all(3),
-            cos_slope: all(4),
-            bank_rate: all(5),
-            slope_rate: all(6),
-            friction: all(7),
+            kappa,
+            sin_bank: all(0),
+            cos_bank: all(1),
+            sin_slope: all(2),
+            cos_slope: all(3),
+            bank_rate: all(4),
+            slope_rate: all(5),
+            friction: all(6),
         }
     }
 }

@@ -105,6 +105,15 @@ impl<S: Simd> Real for Lanes<S> {
         }
         self.with(lanes[0])
     }
+
+    #[inline(always)]
+    fn map_with(self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        let mut lane = 0;
+        self.map(|value| {
+            lane += 1;
+            f(value, other.lane(lane - 1))
+        })
+    }
 }
 
 /// Arithmetic of lanes with lanes and with one number for all of them.

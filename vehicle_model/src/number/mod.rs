@@ -81,6 +81,8 @@ pub(crate) trait Real: Number<Real = Self> + Div<Output = Self> {
     fn any(self, mask: Self::Mask) -> bool;
     /// `f` of every lane.
     fn map(self, f: impl FnMut(f64) -> f64) -> Self;
+    /// `f` of every lane and that of `other`.
+    fn map_with(self, other: Self, f: impl FnMut(f64, f64) -> f64) -> Self;
 }
 
 impl Number for f64 {
@@ -143,5 +145,10 @@ impl Real for f64 {
     #[inline(always)]
     fn map(self, mut f: impl FnMut(f64) -> f64) -> Self {
         f(self)
+    }
+
+    #[inline(always)]
+    fn map_with(self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        f(self, other)
     }
 }

@@ -58,7 +58,6 @@ pub use write::points_to_toml;
 
 use along::Along;
 use path::Path;
-use std::cell::Cell;
 use std::fmt;
 use widths::Widths;
 
@@ -175,13 +174,8 @@ impl Track {
     /// [`Track::kappa`] as a function that looks first where it found the place last: for many
     /// places that follow one another.
     pub fn kappa_along(&self) -> impl Fn(f64) -> f64 {
-        let place = Cell::new(0);
-        move |s| {
-            let s = self.wrap(s);
-            let i = self.path.index_near(s, place.get());
-            place.set(i);
-            self.path.kappa_in(i, s - self.path.start_of(i))
-        }
+        let road = self.road();
+        move |s| road.kappa(s)
     }
 
     /// Curvature [1/m] and distances to the left and the right edge \[m\] from s - `reach` to s + `reach`, if

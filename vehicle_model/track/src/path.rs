@@ -74,6 +74,31 @@ impl Path {
         self.kappa_in(i, s - self.start_of(i))
     }
 
+    /// Whether the curvature is constant in each piece.
+    #[inline]
+    pub(super) fn is_arcs(&self) -> bool {
+        matches!(self, Self::Arcs(_))
+    }
+
+    /// Mean curvature along `length` \[m\] from distance u in piece i on \[1/m\]; along a spline that where
+    /// it begins.
+    pub(super) fn mean_kappa(&self, i: usize, u: f64, length: f64) -> f64 {
+        let Self::Arcs(arcs) = self else { return self.kappa_in(i, u) };
+        let left = arcs[i].length - u;
+        if !(length > left && length.is_finite()) {
+            return arcs[i].kappa;
+        }
+        let (mut turned, mut rest) = (arcs[i].kappa * left, length - left);
+        for arc in arcs.iter().cycle().skip(i + 1).take(arcs.len()) {
+            turned += arc.kappa * rest.min(arc.length);
+            rest -= arc.length;
+            if rest <= 0.0 {
+                break;
+            }
+        }
+        turned / length
+    }
+
     /// Curvature from `from` to `to`, if both lie in one straight or arc [1/m].
     pub(super) fn constant(&self, from: f64, to: f64) -> Option<f64> {
         let Self::Arcs(arcs) = self else { return None };

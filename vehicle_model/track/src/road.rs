@@ -1,11 +1,23 @@
 //! The road as equations of motion see it: curvature, and where it is not flat, its surface.
 
+use std::cell::Cell;
+
 use crate::Track;
 
 /// A road along s.
 pub trait Road {
     /// Curvature of the centre line in plan view at s, positive to the left \[1/m\].
     fn kappa(&self, s: f64) -> f64;
+
+    /// Whether the curvature jumps, from one value that holds along a stretch to the next.
+    fn jumps(&self) -> bool {
+        false
+    }
+
+    /// Mean curvature from s to s + `ds` \[1/m\]; on a road without jumps that at s.
+    fn mean_kappa(&self, s: f64, _ds: f64) -> f64 {
+        self.kappa(s)
+    }
 
     /// Whether the road is level, of even friction everywhere.
     fn is_flat(&self) -> bool {
@@ -48,14 +60,36 @@ impl Surface {
 }
 
 /// The road of a track.
-pub struct TrackRoad<'a, K> {
+pub struct TrackRoad<'a> {
     track: &'a Track,
-    kappa: K,
+    /// Piece of the centre line where a place was found last.
+    near: Cell<usize>,
 }
 
-impl<K: Fn(f64) -> f64> Road for TrackRoad<'_, K> {
+impl TrackRoad<'_> {
+    /// Piece that holds s in [0, L), and s from the piece's beginning on \[m\].
+    fn find(&self, s: f64) -> (usize, f64) {
+        let path = &self.track.path;
+        let i = path.index_near(s, self.near.get());
+        self.near.set(i);
+        (i, s - path.start_of(i))
+    }
+}
+
+impl Road for TrackRoad<'_> {
     fn kappa(&self, s: f64) -> f64 {
-        (self.kappa)(s)
+        let (i, u) = self.find(self.track.wrap(s));
+        self.track.path.kappa_in(i, u)
+    }
+
+    fn jumps(&self) -> bool {
+        self.track.path.is_arcs()
+    }
+
+    fn mean_kappa(&self, s: f64, ds: f64) -> f64 {
+        let (from, length) = if ds < 0.0 { (s + ds, -ds) } else { (s, ds) };
+        let (i, u) = self.find(self.track.wrap(from));
+        self.track.path.mean_kappa(i, u, length)
     }
 
     fn is_flat(&self) -> bool {
@@ -69,7 +103,8 @@ impl<K: Fn(f64) -> f64> Road for TrackRoad<'_, K> {
 
 impl Track {
     /// The road of the track, to be asked for places that follow one another.
-    pub fn road(&self) -> TrackRoad<'_, impl Fn(f64) -> f64> {
-        TrackRoad { track: self, kappa: self.kappa_along() }
+    #[must_use]
+    pub fn road(&self) -> TrackRoad<'_> {
+        TrackRoad { track: self, near: Cell::new(0) }
     }
 }

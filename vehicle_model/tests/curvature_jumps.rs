@@ -1,0 +1,50 @@
+//! A step across a jump of the curvature against the heading, which does not know the centre line.
+#![allow(clippy::unwrap_used, reason = "code of tests")]
+
+use std::f64::consts::PI;
+
+use vehicle_model::{
+    CarParams, Discretized, Input, Model, ModelKind, Plant, PlantParams, RoadPoint, State, Track,
+};
+
+/// Greatest change of the heading beyond what the yaw rate turns, over steps that begin at places around
+/// every jump of the curvature \[rad\].
+fn greatest_kick(car: &str, speed: f64, step: impl Fn(&State, &Input, &Track) -> State) -> f64 {
+    let track = Track::builtin("l").unwrap();
+    let model = Model::new(ModelKind::Dynamic, CarParams::builtin(car).unwrap());
+    let straight = Discretized { model, dt: 0.1, substeps: 100 };
+    let mut greatest = 0.0_f64;
+    for jump in track.curvature_jumps() {
+        for i in 0..40_u32 {
+            let s = jump - 0.1 * speed * f64::from(i) / 40.0;
+            let x = State { v_x: speed, v_y: 0.02, omega_z: 0.8, e_psi: -0.2, s, e_y: 0.1 };
+            let u = Input { a: -1.0, delta: 0.1 };
+            let turned = straight.next(&x, &u, RoadPoint::flat(0.0)).e_psi - x.e_psi;
+            let next = step(&x, &u, &track);
+            let heading = |x: &State| track.heading(track.wrap(x.s)) + x.e_psi;
+            let kick = heading(&next) - heading(&x) - turned;
+            greatest = greatest.max((kick - 2.0 * PI * (kick / (2.0 * PI)).round()).abs());
+        }
+    }
+    greatest
+}
+
+#[test]
+fn the_models_step_turns_the_car_by_its_yaw_rate_alone() {
+    let model = Model::new(ModelKind::Dynamic, CarParams::builtin("barc").unwrap());
+    let step = Discretized { model, dt: 0.1, substeps: 10 };
+    let kick = greatest_kick("barc", 3.0, |x, u, track| step.next(x, u, track.road()));
+    assert!(kick < 5e-4, "{kick}");
+}
+
+#[test]
+fn the_plant_turns_the_car_by_its_yaw_rate_alone() {
+    let kick = greatest_kick("barc", 3.0, |x, u, track| {
+        let params = PlantParams::new(CarParams::builtin("barc").unwrap());
+        let start = State { s: track.wrap(x.s), ..*x };
+        let mut plant = Plant::new(params, track.clone().into(), start).unwrap();
+        plant.apply(*u, 0.1);
+        plant.truth()
+    });
+    assert!(kick < 5e-4, "{kick}");
+}
