@@ -100,11 +100,20 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("python", "anyhow controller hosting numpy optimum pyo3 racing studies vehicle_model"),
     (
         "vehicle_bridge",
-        "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types live_view log_export mapping network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anyhow auth clap clap_complete clap_mangen comfy-table command_line controller doctor driven_laps file_check fmu_core hil_bench hosting lcm_types live_view log_export network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies terminal terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
+    (
+        "vehicle_bridge/command_line",
+        "anstream clap clap_complete controller driven_laps hil_bench hosting lcm_types services studies transport vehicle_model",
+    ),
+    ("vehicle_bridge/doctor", "file_check fmu_core hosting nix serde transport"),
     ("vehicle_bridge/driven_laps", "anyhow controller csv lcm_types vehicle_model"),
+    (
+        "vehicle_bridge/file_check",
+        "controller hil_bench mapping serde services toml vehicle_host vehicle_model",
+    ),
     (
         "vehicle_bridge/hil_bench",
         "anyhow auth controller hosting lcm_types nix protocol rand rand_distr rand_pcg safety serde serde_json sha2 socket2 svg_page time transport vehicle_host vehicle_model",
@@ -142,6 +151,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "anyhow atomic_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
+    ("vehicle_bridge/terminal", "anstream anstyle indicatif network_watch racing serde serde_json"),
     ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),
     (
         "vehicle_bridge/vehicle_host",

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use controller::{Config, ConfigError, Controller, DataError, LapKind};
+use file_check::check_text;
 use lmpc_tests::{Drive, barc, l_track};
-use vehicle_bridge::check::check_text;
 use vehicle_model::{CarParams, ModelError, Track};
 
 /// Every one of `words` stands in the message.

@@ -3,9 +3,9 @@
 use std::io::Write as _;
 
 use clap::Parser;
+use command_line::Cli;
 use hosting::settings::Usage;
-use vehicle_bridge::cli::Cli;
-use vehicle_bridge::{commands, console};
+use vehicle_bridge::commands;
 
 /// Exit code for everything that goes wrong but the command line.
 const FAILURE: u8 = 1;
@@ -25,7 +25,7 @@ fn main() -> ! {
         // Whoever reads our results has read enough (`lmpc race | head`).
         Err(error) if is_broken_pipe(&error) => 0,
         Err(error) => {
-            console::complain(&format!("{error:#}"));
+            terminal::complain(&format!("{error:#}"));
             if error.is::<Usage>() { USAGE } else { FAILURE }
         }
     };

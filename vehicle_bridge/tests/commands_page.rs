@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use clap::{Command, CommandFactory as _};
-use vehicle_bridge::cli::Cli;
+use command_line::Cli;
 
 const TOP: &str = "# Commands
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use clap::CommandFactory as _;
-use vehicle_bridge::cli::Cli;
+use command_line::Cli;
 
 fn lmpc(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()

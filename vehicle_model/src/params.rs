@@ -59,7 +59,7 @@ pub struct Secant {
 }
 
 impl Tyre {
-    /// The same tyre with secants of `share` of its peak slip at [`SECANT_FULL`] of that; curves
+    /// The same tyre with secants of `share` of its peak slip at `SECANT_FULL` of that; curves
     /// without a peak keep their tangents.
     #[must_use]
     pub fn with_secant(self, share: f64) -> Self {

@@ -1,6 +1,7 @@
-//! The report of a race: one HTML file that needs nothing else.
+//! The report of a race, of a time-optimal lap, of the import of a track: one HTML file that needs nothing else.
 
 mod curves;
+mod import;
 mod lost;
 mod map;
 pub mod picture;
@@ -18,7 +19,7 @@ use racing::record::{Failure, LapRow, StepRow, is_fallback};
 use racing::words::kind_word;
 use svg_page::{Mark, Series, card, escape, page, table};
 
-pub use map::{outline, speed_map};
+pub use import::import_page;
 
 /// What a report shows.
 #[derive(Debug)]

@@ -106,7 +106,7 @@ pub(super) fn map(
 
 /// The map of a track with points beside it and circles around places of its centre line.
 #[must_use]
-pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
+pub(crate) fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
     let (mut out, bounds) = road(track);
     for (x, y) in points {
         let radius = 0.001 * bounds.size();
@@ -131,7 +131,7 @@ pub fn outline(track: &Track, points: &[(f64, f64)], places: &[f64]) -> String {
 /// A line coloured by speed on the track, as HTML with its colour bar; points are x, y \[m\] and
 /// speed \[m/s\].
 #[must_use]
-pub fn speed_map(track: &Track, line: &[(f64, f64, f64)], title: &str) -> String {
+pub(crate) fn speed_map(track: &Track, line: &[(f64, f64, f64)], title: &str) -> String {
     let range = SpeedRange::among(line.iter().map(|p| p.2));
     let (mut out, _) = road(track);
     let _ = write!(out, "<g><title>{}</title>", escape(title));

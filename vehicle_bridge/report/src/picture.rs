@@ -3,7 +3,7 @@
 use optimum::{Optimum, Point};
 use vehicle_model::{CarParams, SlipAngles, Track};
 
-use crate::speed_map;
+use crate::map::speed_map;
 use svg_page::{Chart, Mark, Reference, Series, card};
 
 /// The page as HTML.

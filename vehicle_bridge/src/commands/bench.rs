@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::{Outcome, folders};
-use crate::cli::BenchArgs;
-use crate::console::{self, Talk, result};
+use command_line::BenchArgs;
 use hosting::problem_file;
 use step_timing::{CaseTimes, Plan, cases, compare, compared_text, measure, text};
+use terminal::{Talk, result};
 
 /// Measures and prints case after case.
 pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
@@ -33,7 +33,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
         all.push(times);
     }
     if args.json {
-        console::json(&all)?;
+        terminal::json(&all)?;
     }
     Ok(Outcome::Done)
 }
@@ -51,7 +51,7 @@ fn dump(folder: &Path, case: u32, times: &CaseTimes) -> Result<()> {
 fn solve(path: &Path, json: bool) -> Result<Outcome> {
     let compared = compare(&problem_file::read_all(path)?);
     if json {
-        console::json(&compared)?;
+        terminal::json(&compared)?;
     } else {
         result(&compared_text(&compared))?;
     }

@@ -8,14 +8,14 @@ use serde_json::json;
 
 use super::Outcome;
 use super::study::others;
-use super::study_progress::Progress;
-use crate::cli::{CampaignArgs, MergeArgs};
-use crate::console::{self, BAD, GOOD, Talk, WARN, paint, result};
+use command_line::{CampaignArgs, MergeArgs};
 use hosting::parallel::{parallel, threads};
 use hosting::settings::Usage;
 use studies::campaign::{
     Campaign, Case, Columns, Row, Rows, Sheet, by_axis, drive, merge as merge_shards, script,
 };
+use terminal::progress::Progress;
+use terminal::{BAD, GOOD, Talk, WARN, paint, result};
 
 /// Runs of a shard, unless the number of shards is asked for.
 const RUNS_OF_A_SHARD: usize = 50;
@@ -140,7 +140,7 @@ fn conclude(
             "missing": missing,
             "table": table.display().to_string(),
         });
-        console::json(&all)?;
+        terminal::json(&all)?;
     } else {
         result(&by_axis(&sheet.axes, columns, rows))?;
         let allowed = match sheet.failed_runs {

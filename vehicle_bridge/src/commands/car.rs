@@ -9,9 +9,9 @@ use anyhow::{Context as _, Result, bail};
 use hosting::load;
 
 use super::Outcome;
-use crate::check::facts;
-use crate::cli::{CarAction, CarFileArgs, NewCarArgs};
-use crate::console::result;
+use command_line::{CarAction, CarFileArgs, NewCarArgs};
+use file_check::facts;
+use terminal::result;
 
 /// Does what the options say.
 pub(super) fn run(args: &CarFileArgs) -> Result<Outcome> {

@@ -11,11 +11,11 @@ use vehicle_model::{CarParams, Track};
 
 use super::Outcome;
 use super::config::{DIGITS, row};
-use crate::check::{Checked, Kind, check_file};
-use crate::cli::CheckArgs;
-use crate::console::{self, BAD, GOOD, SOFT, paint, result};
+use command_line::CheckArgs;
+use file_check::{Checked, Kind, check_file};
 use hosting::load;
 use hosting::settings::{Layers, Origin, Setting};
+use terminal::{BAD, GOOD, SOFT, paint, result};
 
 /// Greatest width of a line of settings.
 const WIDTH: usize = 96;
@@ -38,7 +38,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
         args.files.iter().map(|file| report(file, args)).collect::<Result<_>>()?;
     let bad = reports.iter().any(|report| !report.checked.problems.is_empty());
     if args.json {
-        console::json(&reports)?;
+        terminal::json(&reports)?;
     } else {
         for Report { checked: file, lines, .. } in &reports {
             let (name, kind) = (&file.file, file.kind);

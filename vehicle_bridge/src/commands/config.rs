@@ -9,10 +9,10 @@ use controller::config::keys::{Choice, Key, Kind, Value};
 use serde_json::{Value as Json, json};
 
 use super::{Outcome, config_schema, setup};
-use crate::cli::{ConfigArgs, ControllerArgs};
-use crate::console::{self, SOFT, paint, result};
+use command_line::{ConfigArgs, ControllerArgs};
 use hosting::load;
 use hosting::settings::{Origin, Setting, Usage};
+use terminal::{SOFT, paint, result};
 
 /// Significant digits of a value in the table.
 pub(super) const DIGITS: usize = 5;
@@ -20,7 +20,7 @@ pub(super) const DIGITS: usize = 5;
 /// Prints the settings.
 pub(super) fn run(args: &ConfigArgs) -> Result<Outcome> {
     if args.schema {
-        console::json(&config_schema::schema())?;
+        terminal::json(&config_schema::schema())?;
         return Ok(Outcome::Done);
     }
     let ControllerArgs { car: car_name, track: track_name, .. } = &args.controller;
@@ -32,7 +32,7 @@ pub(super) fn run(args: &ConfigArgs) -> Result<Outcome> {
     choose(&mut settings, &args.keys)?;
     let preset = config.preset.word();
     if args.json {
-        console::json(&settings.iter().map(row).collect::<Vec<_>>())?;
+        terminal::json(&settings.iter().map(row).collect::<Vec<_>>())?;
     } else if args.toml {
         let head = format!("# {car_name} on {track_name}, lmpc {}.", env!("CARGO_PKG_VERSION"));
         result(toml(&head, preset, &settings).trim_end())?;

@@ -3,9 +3,9 @@
 use anyhow::Result;
 
 use super::Outcome;
-use crate::cli::DoctorArgs;
-use crate::console::{self, BAD, GOOD, SOFT, WARN, paint, result};
-use crate::doctor::{Level, Subjects, examine};
+use command_line::DoctorArgs;
+use doctor::{Level, Subjects, examine};
+use terminal::{BAD, GOOD, SOFT, WARN, paint, result};
 
 /// Examines this computer and prints what was found.
 pub(super) fn run(args: &DoctorArgs) -> Result<Outcome> {
@@ -16,7 +16,7 @@ pub(super) fn run(args: &DoctorArgs) -> Result<Outcome> {
         fmus: args.fmus.clone(),
     });
     if args.json {
-        console::json(&findings)?;
+        terminal::json(&findings)?;
     } else {
         for finding in &findings {
             let (style, word) = match finding.level {

@@ -3,9 +3,9 @@
 use anyhow::{Result, bail};
 
 use super::Outcome;
-use crate::cli::ExportArgs;
-use crate::console::{self, Talk, WARN, paint, result};
+use command_line::ExportArgs;
 use log_export::{Account, Types, csv, mcap};
+use terminal::{Talk, WARN, paint, result};
 
 /// Writes a log for other tools.
 pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {
@@ -26,7 +26,7 @@ pub(super) fn run(args: &ExportArgs, talk: Talk) -> Result<Outcome> {
         }
     }
     if args.json {
-        console::json(&account)?;
+        terminal::json(&account)?;
     } else {
         tell(&account)?;
     }

@@ -6,8 +6,8 @@ use fmu_core::{Inspection, Libraries, inspect, ship};
 use serde_json::{Map, Value, json};
 
 use super::Outcome;
-use crate::cli::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-use crate::console::{self, SOFT, Talk, paint, result};
+use command_line::{FmuAction, FmuArgs, InspectArgs, PackArgs};
+use terminal::{SOFT, Talk, paint, result};
 
 /// Packs or inspects.
 pub(super) fn run(args: &FmuArgs, talk: Talk) -> Result<Outcome> {
@@ -38,7 +38,7 @@ fn pack(args: &PackArgs, talk: Talk) -> Result<Outcome> {
 fn look(args: &InspectArgs) -> Result<Outcome> {
     let inside = inspect(&args.file)?;
     if args.json {
-        console::json(&as_json(&inside))?;
+        terminal::json(&as_json(&inside))?;
         return Ok(Outcome::Done);
     }
     for (name, value) in &inside.attributes {

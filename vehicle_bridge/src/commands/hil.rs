@@ -10,12 +10,12 @@ use comfy_table::{Table, presets};
 
 use super::network::on_signal;
 use super::{Outcome, folders};
-use crate::check::check_file;
-use crate::cli::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
-use crate::console::{BAD, GOOD, Talk, paint, result};
+use command_line::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
+use file_check::check_file;
 use hil_bench::host::NETWORK_UP;
 use hil_bench::verdict::{self, Tested};
 use hil_bench::{Bench, Verdict, drive, execute, probe};
+use terminal::{BAD, GOOD, Talk, paint, result};
 
 const HEAD: [&str; 7] = ["row", "scenario", "expected", "measure", "limit", "measured", "failed"];
 

@@ -3,9 +3,9 @@
 use anyhow::Result;
 
 use super::Outcome;
-use crate::cli::{KeyAction, KeyArgs};
-use crate::console::{Talk, result};
 use auth::Key;
+use command_line::{KeyAction, KeyArgs};
+use terminal::{Talk, result};
 
 /// Makes a key, or prints which one a file holds.
 pub(super) fn run(args: &KeyArgs, talk: Talk) -> Result<Outcome> {

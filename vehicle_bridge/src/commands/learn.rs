@@ -8,8 +8,8 @@ use serde_json::json;
 use vehicle_model::Track;
 
 use super::{Outcome, folders, setup};
-use crate::cli::LearnArgs;
-use crate::console::{self, BAD, BEST, SOFT, Talk, paint, result};
+use command_line::LearnArgs;
+use terminal::{BAD, BEST, SOFT, Talk, paint, result};
 
 /// A drive of which less than this share is inside the track is in another frame.
 const LEAST_INSIDE: f64 = 0.5;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
     learned::save(&args.out, &controller)?;
     if args.json {
         let summary = summary(args, &recording, &driven, controller.grip());
-        console::json(&summary)?;
+        terminal::json(&summary)?;
         return Ok(Outcome::Done);
     }
     result(&origin(&recording, &driven))?;

@@ -17,18 +17,15 @@ mod network;
 mod operator;
 mod optimum;
 mod race;
-mod race_table;
 mod seeds;
 mod setup;
 mod shell;
 mod study;
-mod study_progress;
 mod study_report;
 mod study_tracks;
 mod top;
 mod tour;
 mod track;
-mod track_page;
 mod vehicle;
 mod view;
 mod view_orders;
@@ -39,8 +36,8 @@ use anyhow::Result;
 
 pub use welcome::welcome;
 
-use crate::cli::{Cli, Command, Vehicle, VehicleArgs};
-use crate::console::Talk;
+use command_line::{Cli, Command, Vehicle, VehicleArgs};
+use terminal::Talk;
 
 /// How a command ended that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,12 +13,11 @@ use lcm_types::channels;
 use vehicle_model::{Plant, PlantParams, State, Track};
 
 use super::{Outcome, folders, setup, vehicle};
-use crate::cli::{
+use auth::{Key, Seal, Signed};
+use command_line::{
     CarArgs, ControllerArgs, FmuVehicleArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs,
     SimArgs,
 };
-use crate::console::{Talk, WARN, paint, result};
-use auth::{Key, Seal, Signed};
 use hosting::realtime;
 use hosting::rule::FailureRule;
 use hosting::shutdown::{self, Shutdown};
@@ -33,6 +32,7 @@ use services::mapped_car::MappedCar;
 use services::service::{Service, ServiceOptions};
 use services::store::Store;
 use services::{map_file, replay};
+use terminal::{Talk, WARN, paint, result};
 use transport::record;
 use transport::record::Log;
 use transport::{ThreadStart, Transport};

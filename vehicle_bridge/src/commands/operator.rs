@@ -12,8 +12,7 @@ use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{comparable, connect, logged, on_signal, real_time};
 use super::{Outcome, setup, vehicle};
-use crate::cli::{BridgeArgs, OperatorArgs, OperatorOrder};
-use crate::console::{Talk, WARN, complain, paint, result};
+use command_line::{BridgeArgs, OperatorArgs, OperatorOrder};
 use hil_bench::on_car::FaultyCar;
 use hosting::settings::Usage;
 use hosting::shutdown::Shutdown;
@@ -26,6 +25,7 @@ use services::map_file;
 use services::operator_client::{Answered, Held, Operator};
 use services::side::CarSide;
 use services::watchdog::Watchdog;
+use terminal::{Talk, WARN, complain, paint, result};
 use transport::Transport;
 use transport::record::{self, Log};
 use vehicle_host::Vehicle;

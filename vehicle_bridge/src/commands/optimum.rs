@@ -9,12 +9,12 @@ use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
 use super::{Outcome, folders};
-use crate::cli::OptimumArgs;
-use crate::console::{self, BEST, SOFT, Talk, paint, result};
+use command_line::OptimumArgs;
 use hosting::load;
 use hosting::settings::{Layers, Usage};
 use optimum_store::{Store, files};
 use report::picture;
+use terminal::{BEST, SOFT, Talk, paint, result};
 
 /// Finds the time-optimal lap and writes it.
 pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
@@ -41,7 +41,7 @@ pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
     let kept = store.save(&car, &track, margin, &lap)?;
     talk.say(&format!("kept as {}", kept.display()));
     if args.json {
-        console::json(&summary(&car, &track, margin, &lap))?;
+        terminal::json(&summary(&car, &track, margin, &lap))?;
         return Ok(Outcome::Done);
     }
     let quality = &lap.quality;

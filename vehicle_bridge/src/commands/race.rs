@@ -7,10 +7,8 @@ use anyhow::{Context as _, Result};
 use controller::Response;
 use serde_json::json;
 
-use super::race_table::{LapTable, head};
 use super::{Outcome, folders, optimum, seeds, setup, vehicle};
-use crate::cli::{OnFailure, RaceArgs};
-use crate::console::{self, BAD, BEST, SOFT, Talk, WARN, paint, result};
+use command_line::{OnFailure, RaceArgs};
 use hosting::{learned, problem_file};
 use optimum_store::{Known, Store};
 use racing::raceline::{self, Raceline};
@@ -18,6 +16,8 @@ use racing::record::{Failure, StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
 use racing::{Race, RaceOptions, files};
 use report::{Report, best_lap};
+use terminal::lap_table::{LapTable, head};
+use terminal::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 
 /// Races once, or over several seeds.
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
@@ -61,7 +61,7 @@ pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
         talk.say(&format!("learned data saved to {}", path.display()));
     }
     if args.json {
-        console::json(&summary(&race, &args.out, known))?;
+        terminal::json(&summary(&race, &args.out, known))?;
     } else {
         for line in account(&race, known) {
             result(&line)?;

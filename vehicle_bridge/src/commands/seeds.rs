@@ -6,13 +6,13 @@ use serde_json::json;
 
 use super::race::{given_line, lead, measured, outcome, write};
 use super::{Outcome, folders, vehicle};
-use crate::cli::RaceArgs;
-use crate::console::{self, BAD, GOOD, Talk, paint, result};
+use command_line::RaceArgs;
 use hosting::parallel::{parallel, threads};
 use optimum_store::Known;
 use racing::record::{is_fallback, median};
 use racing::{Race, RaceOptions};
 use report::best_lap;
+use terminal::{BAD, GOOD, Talk, paint, result};
 
 /// What is kept of each seed.
 struct Seed {
@@ -63,7 +63,7 @@ pub(super) fn run(
     })?;
     done.sort_by_key(|seed| seed.seed);
     if args.json {
-        console::json(&as_json(&done, known))?;
+        terminal::json(&as_json(&done, known))?;
     } else {
         result(&table(&done).to_string())?;
         let failed = done.iter().filter(|s| s.failure.is_some()).count();

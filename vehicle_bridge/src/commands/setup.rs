@@ -5,11 +5,11 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 use vehicle_model::{CarParams, Track, TrackError};
 
-use crate::cli::ControllerArgs;
-use crate::console::{SOFT, Talk, WARN, paint};
+use command_line::ControllerArgs;
 use hosting::load;
 use hosting::settings::Layers;
 use racing::{Parts, RaceOptions};
+use terminal::{SOFT, Talk, WARN, paint};
 
 /// Most changes of a track that are listed before a race.
 const MOST_CHANGES: usize = 5;

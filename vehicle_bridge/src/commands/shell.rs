@@ -7,8 +7,8 @@ use anyhow::{Context as _, Result};
 use clap::CommandFactory as _;
 
 use super::Outcome;
-use crate::cli::{Cli, CompletionsArgs, ManArgs};
-use crate::console::result;
+use command_line::{Cli, CompletionsArgs, ManArgs};
+use terminal::result;
 
 /// Prints a completion script.
 pub(super) fn completions(args: &CompletionsArgs) -> Result<Outcome> {

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 
-use super::study_progress::bar;
 use super::{Outcome, campaign, study_report, study_tracks};
-use crate::cli::{PaperStudyArgs, Study, StudyArgs};
-use crate::console::{self, Talk, result};
+use command_line::{PaperStudyArgs, Study, StudyArgs};
 use hosting::parallel::{parallel, threads};
 use studies::{
     Cell, Definition, Ledger, Plan, RunRow, StudyName, page, run_one, summarize, text_table,
 };
+use terminal::progress::bar;
+use terminal::{Talk, result};
 
 /// Runs a study.
 pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
@@ -80,7 +80,7 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
     fs::write(&report, page(&study, &summaries, &ledger.runs, &ledger.laps))
         .with_context(|| format!("cannot write {}", report.display()))?;
     if args.json {
-        console::json(&summaries)?;
+        terminal::json(&summaries)?;
     } else {
         result(&study.title)?;
         result(&text_table(&summaries))?;

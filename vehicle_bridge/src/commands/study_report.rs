@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Result};
 
 use super::Outcome;
-use crate::cli::{ReportArgs, TemplateName};
-use crate::console::result;
+use command_line::{ReportArgs, TemplateName};
 use studies::picture::{Figure, Table, Template, page, usual};
+use terminal::result;
 
 /// Draws a table of runs.
 pub(super) fn run(args: &ReportArgs) -> Result<Outcome> {

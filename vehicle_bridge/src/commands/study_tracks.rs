@@ -8,15 +8,15 @@ use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
 use super::study::others;
-use super::study_progress::Progress;
 use super::{Outcome, setup};
-use crate::cli::{ControllerArgs, TracksStudyArgs};
-use crate::console::{self, BAD, GOOD, Talk, WARN, paint, result};
+use command_line::{ControllerArgs, TracksStudyArgs};
 use hosting::parallel::{parallel, threads};
 use studies::tracks::{
     Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
     tracks,
 };
+use terminal::progress::Progress;
+use terminal::{BAD, GOOD, Talk, WARN, paint, result};
 
 /// The plant that is the car as its file has it.
 const BARE: &str = "none";
@@ -53,7 +53,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
         let all = json!({
             "runs": book.rows.len(), "failed": failed, "cells": summaries, "refused": refused,
         });
-        console::json(&all)?;
+        terminal::json(&all)?;
     } else {
         result(&text_table(&summaries))?;
         let text = format!("{failed} of {} runs failed", book.rows.len());

@@ -10,10 +10,10 @@ use anyhow::Result;
 
 use super::Outcome;
 use super::network::{connect, on_signal};
-use crate::cli::TopArgs;
-use crate::console::{self, Talk, harmless, result};
-use crate::top::draw;
+use command_line::TopArgs;
 use network_watch::{Snapshot, Watch};
+use terminal::top::draw;
+use terminal::{Talk, harmless, result};
 use transport::{Filter, Message};
 
 /// Longest sleep, so that signals are seen.
@@ -55,7 +55,7 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
         wait(Instant::now() + Duration::from_secs_f64(args.listen));
         let seen = look();
         if args.json {
-            console::json(&seen)?;
+            terminal::json(&seen)?;
         } else {
             for line in draw(&seen, &url, size().0) {
                 result(&line)?;

@@ -12,9 +12,9 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
 use super::{Outcome, folders};
-use crate::cli::TourArgs;
-use crate::console::{BEST, GOOD, SOFT, Talk, WARN, paint, result};
+use command_line::TourArgs;
 use hil_bench::host::NETWORK_UP;
+use terminal::{BEST, GOOD, SOFT, Talk, WARN, paint, result};
 use transport::DEFAULT_URL;
 
 /// A group of its own, for a computer on which another car may be driving; ttl 0 keeps it there.

@@ -6,10 +6,10 @@ use anyhow::{Context as _, Result, bail};
 use vehicle_model::Track;
 use vehicle_model::track::{ImportOptions, Imported, random};
 
-use super::{Outcome, track_page};
-use crate::cli::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
-use crate::console::{BAD, paint, result};
+use super::Outcome;
+use command_line::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 use hosting::load;
+use terminal::{BAD, paint, result};
 
 /// Shows, converts or makes a track.
 pub(super) fn run(args: &TrackArgs) -> Result<Outcome> {
@@ -70,7 +70,7 @@ fn show(args: &ShowArgs) -> Result<Outcome> {
         result(&paint(BAD, &format!("  {problem}")))?;
     }
     if let Some(out) = &args.out {
-        let page = track_page::html(&imported, &args.file);
+        let page = report::import_page(&imported, &args.file);
         fs::write(out, page).with_context(|| format!("cannot write {}", out.display()))?;
     }
     Ok(if problems.is_empty() { Outcome::Done } else { Outcome::Problems })

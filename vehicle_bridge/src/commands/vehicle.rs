@@ -8,11 +8,11 @@ use anyhow::{Context as _, Result, bail};
 use vehicle_model::{GRAVITY, State};
 
 use super::Outcome;
-use crate::cli::{ControllerArgs, FmuVehicleArgs, InspectVehicleArgs, RaceArgs, TryVehicleArgs};
-use crate::console::result;
+use command_line::{ControllerArgs, FmuVehicleArgs, InspectVehicleArgs, RaceArgs, TryVehicleArgs};
 use hosting::load;
 use hosting::settings::Usage;
 use racing::{Race, RaceOptions};
+use terminal::result;
 use vehicle_host::fmu::map::Map;
 use vehicle_host::fmu::trial::trial;
 use vehicle_host::fmu::{FmuOptions, FmuVehicle, correct, propose};

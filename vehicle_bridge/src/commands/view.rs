@@ -12,13 +12,13 @@ use vehicle_model::{CarParams, Track};
 
 use super::network::{connect, on_signal};
 use super::{Outcome, setup, view_orders, view_source};
-use crate::cli::ViewArgs;
-use crate::console::{Talk, WARN, paint, result};
+use command_line::ViewArgs;
 use hosting::settings::Usage;
 use live_view::{Clock, Reference, Resolve, Server, ServerOptions, View, Wanted};
 use optimum_store::Store;
 use protocol::convert;
 use racing::RaceOptions;
+use terminal::{Talk, WARN, paint, result};
 use transport::{Filter, Message, Transport};
 
 /// What is shown of a network that cannot hand out every channel.

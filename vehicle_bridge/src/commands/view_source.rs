@@ -15,7 +15,7 @@ use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{PATIENCE, setup_message};
 use super::view::{is_set, subscribe};
-use crate::cli::ViewArgs;
+use command_line::ViewArgs;
 use hosting::rule::FailureRule;
 use live_view::{Clock, View};
 use racing::RaceOptions;

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::console::{BEST, SOFT, paint, result};
+use terminal::{BEST, SOFT, paint, result};
 
 const FIRST: [(&str, &[(&str, &str)]); 4] = [
     (

@@ -2,7 +2,7 @@
 
 use anstyle::Style;
 
-use crate::console::{BAD, GOOD, SOFT, WARN, paint};
+use crate::{BAD, GOOD, SOFT, WARN, paint};
 use network_watch::{CarSeen, ChannelSeen, Estimates, ProgramSeen, Snapshot, TrackSeen};
 
 /// A silence of this many of a channel's own intervals is one to look at. \[-\]

@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::console::{BAD, Talk, paint};
+use crate::{BAD, Talk, paint};
 
 /// Where there is no terminal, time between two lines on how far the study is.
 const EVERY: Duration = Duration::from_secs(60);
 
 /// A bar at `done` of `runs`.
-pub(super) fn bar(runs: u64, done: u64, talk: Talk) -> ProgressBar {
+pub fn bar(runs: u64, done: u64, talk: Talk) -> ProgressBar {
     let target =
         if talk.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(runs), target);
@@ -23,7 +23,7 @@ pub(super) fn bar(runs: u64, done: u64, talk: Talk) -> ProgressBar {
 }
 
 /// How far a study is whose runs may fail.
-pub(super) struct Progress {
+pub struct Progress {
     bar: ProgressBar,
     talk: Talk,
     begun: Instant,
@@ -37,7 +37,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// Of all runs, those done before, and those of them that failed.
-    pub(super) fn new((all, done, failed): (usize, usize, usize), talk: Talk) -> Self {
+    pub fn new((all, done, failed): (usize, usize, usize), talk: Talk) -> Self {
         let (begun, live) = (Instant::now(), std::io::stderr().is_terminal());
         Self {
             bar: bar(all as u64, done as u64, talk),
@@ -52,7 +52,7 @@ impl Progress {
     }
 
     /// A run is done; one that failed with its reason.
-    pub(super) fn done(&mut self, title: &str, failure: Option<&str>) {
+    pub fn done(&mut self, title: &str, failure: Option<&str>) {
         if let Some(reason) = failure {
             self.failed += 1;
             let text = format!("{title}: {reason}");
@@ -76,7 +76,7 @@ impl Progress {
     }
 
     /// Takes the bar away.
-    pub(super) fn end(self) {
+    pub fn end(self) {
         self.bar.finish_and_clear();
     }
 }

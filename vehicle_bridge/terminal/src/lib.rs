@@ -1,5 +1,9 @@
 //! The terminal: results on standard output, talk on standard error, colour where it is wanted.
 
+pub mod lap_table;
+pub mod progress;
+pub mod top;
+
 use std::borrow::Cow;
 use std::io::{self, Write as _};
 
@@ -33,10 +37,9 @@ pub fn result(line: &str) -> io::Result<()> {
 /// A value as JSON on standard output. What JSON leaves as it is but a terminal obeys is escaped as in JSON.
 ///
 /// # Errors
-/// If standard output is closed.
-pub fn json(value: &impl serde::Serialize) -> anyhow::Result<()> {
-    writeln!(anstream::stdout(), "{}", harmless_json(&serde_json::to_string_pretty(value)?))?;
-    Ok(())
+/// If the value has no JSON, or standard output is closed.
+pub fn json(value: &impl serde::Serialize) -> io::Result<()> {
+    writeln!(anstream::stdout(), "{}", harmless_json(&serde_json::to_string_pretty(value)?))
 }
 
 fn harmless_json(text: &str) -> String {

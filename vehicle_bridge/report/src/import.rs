@@ -1,8 +1,8 @@
-//! The page of `lmpc track show`: a track before and after its import.
+//! The page of an import: a track before and after it.
 
 use vehicle_model::track::{Change, Imported, TrackPoint, wrap_angle};
 
-use report::outline;
+use crate::map::outline;
 use svg_page::{Chart, Mark, Series, card, escape, page, table};
 
 /// Places along the lap that the charts show.
@@ -49,8 +49,9 @@ impl Before {
     }
 }
 
-/// The page.
-pub(super) fn html(imported: &Imported, file: &str) -> String {
+/// The page of a track that was imported from `file`: what was changed, and the track before and after.
+#[must_use]
+pub fn import_page(imported: &Imported, file: &str) -> String {
     let Imported { track, changes, points, .. } = imported;
     let given: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let cuts: Vec<f64> = changes

@@ -49,6 +49,9 @@ pub use track::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, Trac
 pub use vehicle::{FmuCarArgs, FmuVehicleArgs, InspectVehicleArgs, TryVehicleArgs};
 pub use view::ViewArgs;
 
+/// First line of the help and of the manual page.
+const ABOUT: &str = "`lmpc`, the command line of the racing LMPC";
+
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
@@ -60,7 +63,7 @@ Results go to standard output, everything else to standard error.";
 
 /// Racing LMPC: a controller that learns its car and drives faster lap after lap.
 #[derive(Debug, Parser)]
-#[command(name = "lmpc", version, about, after_help = EXIT_CODES, arg_required_else_help = true)]
+#[command(name = "lmpc", version, about = ABOUT, after_help = EXIT_CODES, arg_required_else_help = true)]
 pub struct Cli {
     /// When to use colour; NO_COLOR is respected
     #[arg(long, global = true, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]

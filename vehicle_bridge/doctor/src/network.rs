@@ -104,7 +104,7 @@ mod tests {
     use std::net::UdpSocket;
 
     use super::*;
-    use crate::doctor::Level;
+    use crate::Level;
 
     #[test]
     fn a_port_that_is_taken_is_no_missing_route() {

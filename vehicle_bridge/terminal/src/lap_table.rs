@@ -1,24 +1,24 @@
 //! The lap table of a race on the terminal.
 
-use crate::console::{BEST, GOOD, SOFT, WARN, paint};
+use crate::{BEST, GOOD, SOFT, WARN, paint};
 use racing::record::LapRow;
 use racing::words::kind_word;
 
 /// Heading of the table.
 #[must_use]
-pub(super) fn head() -> String {
+pub fn head() -> String {
     paint(SOFT, " lap  kind      lap time      best     delta   v max  |e_y| max  notes")
 }
 
 /// Remembers the best lap while the table grows.
 #[derive(Debug, Default)]
-pub(super) struct LapTable {
+pub struct LapTable {
     best: Option<f64>,
 }
 
 impl LapTable {
     /// The line of a lap.
-    pub(super) fn line(&mut self, lap: &LapRow) -> String {
+    pub fn line(&mut self, lap: &LapRow) -> String {
         let result = &lap.result;
         let before = self.best;
         let counts = lap.is_learning() && result.valid;

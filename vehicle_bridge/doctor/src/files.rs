@@ -5,7 +5,7 @@ use std::path::Path;
 use nix::sys::statvfs::statvfs;
 
 use super::Finding;
-use crate::check::check_file;
+use file_check::check_file;
 
 /// An hour of everything on the network at 100 Hz. \[B\]
 const HOUR: u64 = 2 << 30;
