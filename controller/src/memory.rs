@@ -3,12 +3,13 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use actuators::Estimation;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State, Track};
 
-use crate::actuation::Actuation;
+use crate::actuation::Drift;
 use crate::config::Config;
 use crate::filter::Estimate;
 use crate::filter::Smoothing;
@@ -45,7 +46,9 @@ pub(crate) struct Memory {
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
     /// Delay and lag of the actuators, as the initial laps show them.
-    pub(crate) actuation: Actuation,
+    pub(crate) actuation: Estimation,
+    /// A change of the delay since.
+    pub(crate) drift: Drift,
     /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
     /// Last input decided on: where the last command leads the actuators.
@@ -115,7 +118,8 @@ impl Memory {
             last: None,
             estimate: Estimate::default(),
             suspects: 0,
-            actuation: Actuation::default(),
+            actuation: Estimation::default(),
+            drift: Drift::default(),
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
             command: Input::default(),

@@ -1,9 +1,8 @@
 //! What goes into a control step and what comes out of it.
 
+use fhocp::{Backend, SolveStatus};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
-
-use crate::fhocp::Backend;
 
 /// Where the car is: in the track's frame or in the global one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -87,38 +86,6 @@ impl Reason {
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
-    }
-}
-
-/// How the solver ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum SolveStatus {
-    /// No problem was given to the solver in this step.
-    #[default]
-    NotRun,
-    /// Solved to tolerance.
-    Solved,
-    /// Solved to a reduced tolerance; the solution is used.
-    AlmostSolved,
-    /// Iteration limit.
-    MaxIterations,
-    /// Reported infeasible. The FHOCP is feasible by construction: its prediction exploded.
-    Infeasible,
-    /// Numerical failure or a value that is not finite.
-    Numerical,
-}
-
-impl SolveStatus {
-    /// Number of the status in FMU outputs: its place in the list above, from 0.
-    #[must_use]
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// Whether the solution may be applied.
-    #[must_use]
-    pub fn usable(self) -> bool {
-        matches!(self, Self::Solved | Self::AlmostSolved)
     }
 }
 
