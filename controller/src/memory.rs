@@ -14,6 +14,7 @@ use crate::config::Config;
 use crate::filter::Estimate;
 use crate::filter::Smoothing;
 use crate::lap_end::{Derived, LapEnd};
+use crate::lap_number::LapNumber;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::grip_sums::GripSums;
 use crate::plan::Plan;
@@ -32,7 +33,7 @@ pub(crate) struct Memory {
     /// What the road has of that grip now.
     pub(crate) road: Road,
     /// Number of the lap in progress; 0 before the line is first crossed.
-    pub(crate) lap: u32,
+    pub(crate) lap: LapNumber,
     /// Whether the lap in progress is a learning lap.
     pub(crate) learning: bool,
     /// The initial laps have been learned from; until then the car goes on as in them.
@@ -111,7 +112,7 @@ impl Memory {
             grip: [1.0; 2],
             grip_sums: GripSums::default(),
             road: Road::default(),
-            lap: 0,
+            lap: LapNumber::default(),
             learning: false,
             learned: false,
             learned_laps: 0,

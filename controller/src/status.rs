@@ -4,6 +4,8 @@ use fhocp::{Backend, SolveStatus};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
+use crate::lap_number::LapNumber;
+
 /// Where the car is: in the track's frame or in the global one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Pose {
@@ -104,8 +106,8 @@ pub enum LapKind {
 /// A finished lap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapResult {
-    /// Number of the lap, from 1.
-    pub lap: u32,
+    /// Number of the lap.
+    pub lap: LapNumber,
     /// Kind.
     pub kind: LapKind,
     /// Lap time between the interpolated crossings of the line \[s\].
@@ -129,8 +131,8 @@ pub struct Status {
     pub solver: Option<Backend>,
     /// Iterations of the solver.
     pub iterations: u32,
-    /// Number of the current lap, from 1.
-    pub lap: u32,
+    /// Number of the current lap.
+    pub lap: LapNumber,
     /// State used, in the track's frame (the last good one if the measurement was refused).
     pub state: State,
     /// Optimal cost of the FHOCP in steps.

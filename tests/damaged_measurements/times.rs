@@ -1,6 +1,6 @@
 //! Time that stands still, leaps or goes back.
 
-use controller::{Action, LapKind, Measurement, Reason};
+use controller::{Action, LapKind, LapNumber, Measurement, Reason};
 use lmpc_tests::l_track;
 
 use super::{goes_on_learning, racing};
@@ -54,7 +54,7 @@ fn a_clock_that_was_set_back() {
     }
     // The lap in which the clock was set has no time.
     assert!(laps.iter().all(|lap| lap.valid && lap.lap_time > 3.0 && lap.lap_time < 7.0));
-    assert_eq!(laps[0].lap, 7, "{laps:?}");
+    assert_eq!(laps[0].lap, LapNumber::new(7), "{laps:?}");
 }
 
 #[test]
