@@ -26,9 +26,9 @@ test:
 	$(MAKE) fmu-test
 	python/test.sh
 
-# Unit tests, the three core crates, the source tree and the documents: no packages, no network.
+# Unit tests, the core crates, the source tree and the documents: no packages, no network.
 test-fast:
-	cargo test --release -p vehicle_model -p track -p controller -p house_tests
+	cargo test --release -p vehicle_model -p track -p controller -p fhocp -p actuators -p neighbors -p house_tests
 	cargo test --release -p lcm_types -p safety -p mapping -p svg_page -p optimum_store -p hosting \
 		-p atomic_file -p protocol -p racing -p studies -p log_export -p live_view --lib
 
@@ -102,7 +102,7 @@ lint:
 	cargo deny check
 
 bench:
-	cargo bench -p controller -p vehicle_bridge
+	cargo bench -p fhocp -p vehicle_bridge
 
 clean:
 	cargo clean

@@ -90,8 +90,12 @@ fn dependencies(package: &str) -> Vec<String> {
 const DEPENDENCIES: &[(&str, &str)] = &[
     (
         "controller",
-        "clarabel crc32fast libm nalgebra postcard pulp rand rand_pcg serde thiserror toml vehicle_model",
+        "actuators crc32fast fhocp libm nalgebra neighbors postcard pulp rand rand_pcg serde thiserror toml vector_sums vehicle_model",
     ),
+    ("controller/actuators", "libm nalgebra serde vehicle_model"),
+    ("controller/fhocp", "clarabel nalgebra pulp serde vector_sums vehicle_model"),
+    ("controller/neighbors", ""),
+    ("controller/vector_sums", ""),
     ("fmu", "atomic_file controller postcard roxmltree serde thiserror vehicle_model zip"),
     ("fmu/capi", "controller crc32fast fmu_core postcard vehicle_model"),
     ("fmu/controller", "fmu_core"),
@@ -162,8 +166,12 @@ const DEPENDENCIES: &[(&str, &str)] = &[
 ];
 
 /// Crates without files, environment, clock, threads, network.
-const PURE: [&str; 7] = [
+const PURE: [&str; 11] = [
     "controller",
+    "controller/actuators",
+    "controller/fhocp",
+    "controller/neighbors",
+    "controller/vector_sums",
     "vehicle_model",
     "vehicle_model/track",
     "vehicle_bridge/mapping",
@@ -223,7 +231,7 @@ fn pure_crates_have_no_files_environment_clock_or_threads() {
     for package in PURE {
         let mut files = Vec::new();
         sources(&root().join(package).join("src"), &mut files);
-        assert!(files.len() > 2, "{package}");
+        assert!(!files.is_empty(), "{package}");
         for file in files {
             let text = read(&file);
             for module in ["fs", "env", "time", "thread", "net", "process", "io"] {

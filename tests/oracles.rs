@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use controller::config::{Features, RegressionMode, SolverConfig, SolverMethod};
-use controller::fhocp::{Fhocp, FhocpSolver, Solution, Solver};
+use controller::config::{Features, RegressionMode};
+use controller::fhocp::{Backend, Fhocp, FhocpSolver, Solution, Solver, Termination};
 use controller::learning::regression::{Weighted, epanechnikov, ridge};
 use controller::{Action, Affine, Config, LapKind, Preset};
 use lmpc_tests::{Drive, barc, l_track};
@@ -149,13 +149,9 @@ fn problem(rng: &mut Pcg64Mcg) -> Fhocp {
 #[test]
 fn the_qp_keeps_its_simplex_and_ignores_a_constant_cost() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
-    for method in [SolverMethod::Clarabel, SolverMethod::Structured] {
-        let mut solver = Solver::new(SolverConfig {
-            method,
-            fallback: true,
-            tolerance: 1e-10,
-            max_iterations: 200,
-        });
+    let termination = Termination { tolerance: 1e-10, max_iterations: 200 };
+    for first in [Backend::Clarabel, Backend::Structured] {
+        let mut solver = Solver::new(first, true, termination);
         for k in 0..20 {
             let problem = problem(&mut rng);
             let mut solve = |problem: &Fhocp| {

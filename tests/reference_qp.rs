@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used)] // a missing number must fail the test
 
-use controller::Affine;
-use controller::config::{SolverConfig, SolverMethod};
-use controller::fhocp::{Backend, Fhocp, FhocpSolver, SlipRow, Solution, Solver};
+use controller::fhocp::{
+    Affine, Backend, Fhocp, FhocpSolver, SlipRow, Solution, Solver, Termination,
+};
 use lmpc_tests::read_reference;
 use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
 use serde::Deserialize;
@@ -103,11 +103,11 @@ impl Qp {
     }
 }
 
-fn compare(name: &str, slip: bool, method: SolverMethod, backend: Backend) {
+fn compare(name: &str, slip: bool, backend: Backend) {
     let file: File = read_reference(name);
     assert!(!file.qps.is_empty());
-    let config = SolverConfig { method, fallback: true, tolerance: 1e-9, max_iterations: 100 };
-    let mut solver = Solver::new(config);
+    let termination = Termination { tolerance: 1e-9, max_iterations: 100 };
+    let mut solver = Solver::new(backend, true, termination);
     for (k, qp) in file.qps.iter().enumerate() {
         assert!(qp.l.iter().take(qp.n_eq).eq(qp.u.iter().take(qp.n_eq)), "equalities first");
         let problem = qp.stages(slip);
@@ -136,8 +136,8 @@ fn compare(name: &str, slip: bool, method: SolverMethod, backend: Backend) {
 }
 
 fn both(name: &str, slip: bool) {
-    compare(name, slip, SolverMethod::Clarabel, Backend::Clarabel);
-    compare(name, slip, SolverMethod::Structured, Backend::Structured);
+    compare(name, slip, Backend::Clarabel);
+    compare(name, slip, Backend::Structured);
 }
 
 #[test]

@@ -56,7 +56,7 @@ impl Controller {
                         let share = (length - before.x.s) / (length - before.x.s + step.x.s);
                         let end = before.time + share * (step.time - before.time);
                         closed.extend(memory.dataset.close(memory.lap, LapKind::Driven, end));
-                        memory.lap += 1;
+                        memory.lap = memory.lap.next();
                     }
                 }
             }
@@ -122,7 +122,7 @@ fn close_part(memory: &mut Memory, time: f64) {
     }
     memory.dataset.interrupt();
     memory.dataset.close(memory.lap, LapKind::Driven, time);
-    memory.lap += 1;
+    memory.lap = memory.lap.next();
 }
 
 #[cfg(test)]

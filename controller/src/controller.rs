@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use actuators::{Actuators, Response};
 use nalgebra::Matrix6;
 use vehicle_model::{CarParams, Discretized, Input, Model, ModelKind, State, Track, Tracker};
 
-use crate::actuation::{Actuators, Response};
 use crate::config::{Config, NominalModel, RegressionConfig};
 use crate::error::ConfigError;
 use crate::fhocp::Fhocp;

@@ -1,9 +1,9 @@
 //! The model the controller predicts with: nominal Jacobians plus what the regression learned.
 
+use fhocp::Affine;
 use nalgebra::{Matrix6, Vector6};
 use vehicle_model::{Discretized, Input, State, Track};
 
-use crate::affine::Affine;
 use crate::config::{RegressionConfig, RegressionMode};
 use crate::learning::regression::{RegressionData, Scratch, regressor};
 

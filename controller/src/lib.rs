@@ -18,7 +18,7 @@
 //! | X^j: P laps, K points each | [`learning::safe_set::SafeSet`], [`config::SafeSetConfig`] |
 //! | T^i - k, cost-to-go | [`learning::dataset::Lap::cost_to_go`] |
 //! | Q_N, terminal cost | J' lambda inside the FHOCP: [`fhocp::Fhocp::cost_to_go`] |
-//! | (4) FHOCP | [`fhocp`]; filled in [`optimize.rs`](../src/controller/optimize.rs.html), rows in [`layout.rs`](../src/controller/fhocp/layout.rs.html) |
+//! | (4) FHOCP | [`fhocp`]; filled in [`optimize.rs`](../src/controller/optimize.rs.html), rows in [`layout.rs`](../src/fhocp/layout.rs.html) |
 //! | c_u, c_du | [`config::CostConfig`] |
 //! | z_bar, the shifted solution | [`Plan`], [`plan.rs`](../src/controller/plan.rs.html) |
 //! | A, B, C = nominal + error | [`LearnedModel::sum`] |
@@ -48,17 +48,15 @@
 
 mod actuation;
 mod adopt;
-mod affine;
 pub mod config;
 mod controller;
 mod derive;
 mod drive;
 mod error;
-pub mod fhocp;
 mod filter;
 mod lane;
-mod lanes;
 mod lap_end;
+mod lap_number;
 mod learn;
 mod learned_model;
 pub mod learning;
@@ -74,18 +72,18 @@ mod snapshot;
 mod status;
 mod store;
 
-pub use actuation::Response;
+pub use actuators::Response;
 pub use adopt::DrivenStep;
-pub use affine::Affine;
 pub use config::Config;
 pub use controller::Controller;
 pub use error::{ConfigError, DataError};
+pub use fhocp::{self, Affine, SolveStatus};
+pub use lap_number::LapNumber;
 pub use learned_model::LearnedModel;
 pub use plan::Plan;
 pub use presets::Preset;
 pub use snapshot::ControllerState;
 pub use status::{
-    Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, SolveStatus,
-    Status,
+    Action, Command, LapKind, LapResult, Measurement, Phase, Pose, Probe, Reason, Status,
 };
 pub use store::Learned;

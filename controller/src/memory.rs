@@ -3,16 +3,18 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use actuators::Estimation;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State, Track};
 
-use crate::actuation::Actuation;
+use crate::actuation::Drift;
 use crate::config::Config;
 use crate::filter::Estimate;
 use crate::filter::Smoothing;
 use crate::lap_end::{Derived, LapEnd};
+use crate::lap_number::LapNumber;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::grip_sums::GripSums;
 use crate::plan::Plan;
@@ -31,7 +33,7 @@ pub(crate) struct Memory {
     /// What the road has of that grip now.
     pub(crate) road: Road,
     /// Number of the lap in progress; 0 before the line is first crossed.
-    pub(crate) lap: u32,
+    pub(crate) lap: LapNumber,
     /// Whether the lap in progress is a learning lap.
     pub(crate) learning: bool,
     /// The initial laps have been learned from; until then the car goes on as in them.
@@ -45,7 +47,9 @@ pub(crate) struct Memory {
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
     /// Delay and lag of the actuators, as the initial laps show them.
-    pub(crate) actuation: Actuation,
+    pub(crate) actuation: Estimation,
+    /// A change of the delay since.
+    pub(crate) drift: Drift,
     /// Inputs that do not act yet, oldest first.
     pub(crate) queue: VecDeque<Input>,
     /// Last input decided on: where the last command leads the actuators.
@@ -108,14 +112,15 @@ impl Memory {
             grip: [1.0; 2],
             grip_sums: GripSums::default(),
             road: Road::default(),
-            lap: 0,
+            lap: LapNumber::default(),
             learning: false,
             learned: false,
             learned_laps: 0,
             last: None,
             estimate: Estimate::default(),
             suspects: 0,
-            actuation: Actuation::default(),
+            actuation: Estimation::default(),
+            drift: Drift::default(),
             queue: VecDeque::with_capacity(config.delay.steps + 1),
             u_prev: Input::default(),
             command: Input::default(),

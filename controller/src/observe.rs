@@ -5,6 +5,7 @@ use vehicle_model::{Input, State, Track};
 
 use crate::config::Config;
 use crate::filter::{Filter, Prediction, Smoothing};
+use crate::lap_number::LapNumber;
 use crate::learning::dataset::Sample;
 use crate::memory::{Last, Memory};
 use crate::status::{LapKind, LapResult, Measurement, Pose, Reason};
@@ -145,7 +146,7 @@ impl Observer<'_> {
             current.start_time = time;
             current.from_line = near_line;
             current.clean = near_line;
-            memory.lap = u32::from(near_line);
+            memory.lap = LapNumber::new(u32::from(near_line));
         }
         self.record(memory, time, state);
         Observation { state, reason, finished: None, crossed: false }
@@ -217,7 +218,7 @@ impl Observer<'_> {
         if finished.is_some_and(|lap| lap.valid && lap.kind == LapKind::Learning) {
             memory.learned_laps += 1;
         }
-        memory.lap += 1;
+        memory.lap = memory.lap.next();
         memory.learning |= memory.initial_laps_done(self.config.warm_up.laps);
         finished
     }

@@ -3,10 +3,9 @@
 use nalgebra::{Vector2, Vector6};
 use vehicle_model::{CarParams, Discretized, Input, Outline, State, Track};
 
-use crate::affine::Affine;
 use crate::config::Config;
 use crate::controller::Setup;
-use crate::fhocp::{Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
+use crate::fhocp::{Affine, Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
 use crate::lane;
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
@@ -102,7 +101,7 @@ impl Workspace {
             limit: SpeedLimit::new(car, track, config.envelope.brake_share),
             points: Vec::with_capacity(n + 1),
             measured: None,
-            solver: Box::new(Solver::new(config.solver.clone())),
+            solver: Box::new(config.solver.solver()),
             slacks: Slacks::default(),
             progress: 1.0,
             safe_set: SafeSet::default(),
@@ -287,7 +286,7 @@ impl Workspace {
         self.problem.u_prev = memory.u_prev.to_vector();
         let mut report = self.solver.solve(&self.problem, &mut self.solution);
         if report.status.usable() && !self.solution.is_finite() {
-            report.status = crate::status::SolveStatus::Numerical;
+            report.status = crate::fhocp::SolveStatus::Numerical;
         }
         if report.status.usable() {
             self.slacks.fill(&self.problem, &self.solution);

@@ -1,11 +1,11 @@
 //! Slip angles of a plan: rows for the guards, what slip costs, and how much of the rear axle's
 //! guard a braking car has.
 
+use fhocp::SlipRow;
 use nalgebra::Vector3;
 use vehicle_model::{CarParams, Input, SlipAngles, State};
 
 use crate::controller::Setup;
-use crate::fhocp::SlipRow;
 
 /// Speed below which delay per speed is no longer the quotient [m/s].
 const SLOW: f64 = 0.5;

@@ -1,9 +1,9 @@
 //! Everything that changes while the controller runs: to roll back, or to resume another day.
 
+use fhocp::SolverSeed;
 use serde::{Deserialize, Serialize};
 
 use crate::controller::Controller;
-use crate::fhocp::SolverSeed;
 use crate::memory::Memory;
 
 /// State of a [`Controller`]: all it learned, its plan, the lap in progress. Cloning it is cheap

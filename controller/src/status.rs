@@ -1,9 +1,10 @@
 //! What goes into a control step and what comes out of it.
 
+use fhocp::{Backend, SolveStatus};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
-use crate::fhocp::Backend;
+use crate::lap_number::LapNumber;
 
 /// Where the car is: in the track's frame or in the global one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,38 +91,6 @@ impl Reason {
     }
 }
 
-/// How the solver ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum SolveStatus {
-    /// No problem was given to the solver in this step.
-    #[default]
-    NotRun,
-    /// Solved to tolerance.
-    Solved,
-    /// Solved to a reduced tolerance; the solution is used.
-    AlmostSolved,
-    /// Iteration limit.
-    MaxIterations,
-    /// Reported infeasible. The FHOCP is feasible by construction: its prediction exploded.
-    Infeasible,
-    /// Numerical failure or a value that is not finite.
-    Numerical,
-}
-
-impl SolveStatus {
-    /// Number of the status in FMU outputs: its place in the list above, from 0.
-    #[must_use]
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// Whether the solution may be applied.
-    #[must_use]
-    pub fn usable(self) -> bool {
-        matches!(self, Self::Solved | Self::AlmostSolved)
-    }
-}
-
 /// Kind of a lap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -137,8 +106,8 @@ pub enum LapKind {
 /// A finished lap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapResult {
-    /// Number of the lap, from 1.
-    pub lap: u32,
+    /// Number of the lap.
+    pub lap: LapNumber,
     /// Kind.
     pub kind: LapKind,
     /// Lap time between the interpolated crossings of the line \[s\].
@@ -162,8 +131,8 @@ pub struct Status {
     pub solver: Option<Backend>,
     /// Iterations of the solver.
     pub iterations: u32,
-    /// Number of the current lap, from 1.
-    pub lap: u32,
+    /// Number of the current lap.
+    pub lap: LapNumber,
     /// State used, in the track's frame (the last good one if the measurement was refused).
     pub state: State,
     /// Optimal cost of the FHOCP in steps.

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use actuators::Response;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
-use crate::actuation::Response;
 use crate::config::Config;
 use crate::error::DataError;
 use crate::learning::dataset::Lap;

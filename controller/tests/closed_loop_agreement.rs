@@ -9,8 +9,7 @@
 
 use std::sync::Arc;
 
-use controller::config::SolverMethod;
-use controller::fhocp::{Backend, ClarabelSolver, FhocpSolver, Solution, Solver};
+use controller::fhocp::{Backend, ClarabelSolver, FhocpSolver, Solution, Termination};
 use controller::{Action, Config, Controller, Measurement, Pose, Preset};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -52,10 +51,8 @@ fn compare(case: &Loop, count: usize, tally: &mut Tally) {
     let dt = config.horizon.period;
     let plant =
         Discretized { model: Model::new(ModelKind::Dynamic, car.clone()), dt, substeps: 10 };
-    let mut exact = config.solver.clone();
-    (exact.method, exact.tolerance, exact.max_iterations) = (SolverMethod::Clarabel, 1e-10, 200);
-    let (mut reference, mut ours) =
-        (ClarabelSolver::reference(exact), Solver::new(config.solver.clone()));
+    let exact = Termination { tolerance: 1e-10, max_iterations: 200 };
+    let (mut reference, mut ours) = (ClarabelSolver::reference(exact), config.solver.solver());
     let start = State { v_x: config.warm_up.speed, ..State::default() };
     let (mut x, mut k, mut compared) = (start, 0_u32, 0);
     let mut rng = Pcg64::seed_from_u64(7);

@@ -2,7 +2,7 @@
 //! crosses the line, and `prepare` as long as the lap is being learned from.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
-#[path = "support/counting.rs"]
+#[path = "../fhocp/tests/support/counting.rs"]
 mod counting;
 
 use std::sync::Arc;

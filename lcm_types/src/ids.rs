@@ -93,6 +93,30 @@ impl SeqNumber {
     }
 }
 
+/// Number of a lap on a network: from 0, whoever drove it. People read of its number, from 1. \[-\]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct LapIndex(i32);
+
+impl LapIndex {
+    /// From the number in a message.
+    #[must_use]
+    pub const fn new(index: i32) -> Self {
+        Self(index)
+    }
+
+    /// The lap of a car that has completed so many; the first where a message cannot hold the number.
+    #[must_use]
+    pub fn after(completed: i64) -> Self {
+        Self(i32::try_from(completed).unwrap_or(0))
+    }
+
+    /// The number for a message.
+    #[must_use]
+    pub const fn get(self) -> i32 {
+        self.0
+    }
+}
+
 /// A time on the `CLOCK_MONOTONIC` of one host. Times of two hosts cannot be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct MonoTime(i64);

@@ -47,7 +47,7 @@ pub mod wire;
 
 pub use arrival::Arrival;
 pub use error::Error;
-pub use ids::{ArmToken, BootId, MonoTime, SeqNumber};
+pub use ids::{ArmToken, BootId, LapIndex, MonoTime, SeqNumber};
 pub use message::{Checked, Message};
 
 // What the file of random messages, shared with an example, calls this crate.

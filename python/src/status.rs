@@ -47,7 +47,7 @@ impl Status {
     /// Number of the current lap, from 1.
     #[getter]
     fn lap(&self) -> u32 {
-        self.0.lap
+        self.0.lap.get()
     }
 
     /// State that the step used (6,).
@@ -139,7 +139,7 @@ impl LapResult {
     /// Number of the lap, from 1.
     #[getter]
     fn lap(&self) -> u32 {
-        self.0.lap
+        self.0.lap.get()
     }
 
     /// ``warmup``, ``learning`` or ``driven``.

@@ -99,7 +99,7 @@ fn word(value: Value) -> PyFixedUnicode<WORD> {
 /// A lap that a controller has recorded.
 pub(crate) fn recorded_lap<'py>(py: Python<'py>, lap: &Lap) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
-    all.set_item("lap", lap.result.lap)?;
+    all.set_item("lap", lap.result.lap.get())?;
     all.set_item("kind", kind_word(lap.result.kind))?;
     all.set_item("lap_time", lap.result.lap_time)?;
     all.set_item("valid", lap.result.valid)?;

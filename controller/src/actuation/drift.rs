@@ -23,7 +23,7 @@ pub(crate) struct Drift {
     squares: [[f64; 3]; SHIFTS.len()],
     count: f64,
     /// Periods that commands act later than is known; below 0 for sooner.
-    pub(super) periods: isize,
+    periods: isize,
 }
 
 impl Drift {
@@ -75,7 +75,7 @@ impl Controller {
         let samples = &memory.dataset.current.samples;
         // The front of the queue acts from now on.
         let next = memory.queue.front().copied();
-        let drift = &mut memory.actuation.drift;
+        let drift = &mut memory.drift;
         drift.add(&setup.model, &setup.track, samples, (from, to), next);
     }
 
@@ -83,6 +83,6 @@ impl Controller {
     /// sooner, 0 while no change is clear \[s\].
     #[must_use]
     pub fn delay_change(&self) -> f64 {
-        self.memory.actuation.drift.periods as f64 * self.setup.config.horizon.period
+        self.memory.drift.periods as f64 * self.setup.config.horizon.period
     }
 }

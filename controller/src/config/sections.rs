@@ -1,5 +1,7 @@
 //! The sections on what the controller predicts with, learns and solves.
 
+use fhocp::{Backend, Solver, Termination};
+
 use super::keys::{choice, section};
 
 section! {
@@ -140,4 +142,22 @@ section! {
     tolerance "tolerance": f64, symbol "", unit "", range (1e-12, 1e-2), from preset;
     /// Most iterations of one solve.
     max_iterations "max_iterations": u32, symbol "", unit "", range (5, 1000), from preset;
+}
+
+impl SolverConfig {
+    /// When one of its solvers ends.
+    #[must_use]
+    pub fn termination(&self) -> Termination {
+        Termination { tolerance: self.tolerance, max_iterations: self.max_iterations }
+    }
+
+    /// The solver it asks for.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        let first = match self.method {
+            SolverMethod::Structured => Backend::Structured,
+            SolverMethod::Clarabel => Backend::Clarabel,
+        };
+        Solver::new(first, self.fallback, self.termination())
+    }
 }

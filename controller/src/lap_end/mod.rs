@@ -19,10 +19,10 @@ mod tests;
 
 use std::sync::Arc;
 
+use actuators::Actuators;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, Outline, State};
 
-use crate::actuation::Actuators;
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::{Controller, Setup};
 use crate::learning::dataset::{Lap, Sample, select};

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};
 
 use crate::config::{SafeSetConfig, Selection};
+use crate::lap_number::LapNumber;
 use crate::status::{LapKind, LapResult};
 
 /// One measured transition.
@@ -108,7 +109,12 @@ impl Dataset {
     }
 
     /// Closes the lap in progress at `end_time`; the next begins there.
-    pub(crate) fn close(&mut self, number: u32, kind: LapKind, end_time: f64) -> Option<LapResult> {
+    pub(crate) fn close(
+        &mut self,
+        number: LapNumber,
+        kind: LapKind,
+        end_time: f64,
+    ) -> Option<LapResult> {
         let Current { start_time, follows, from_line, clean, .. } = self.current;
         let lap_time = end_time - start_time;
         let result = LapResult { lap: number, kind, lap_time, valid: clean && from_line };

@@ -6,7 +6,6 @@ pub(crate) mod envelope;
 pub(crate) mod grip;
 pub(crate) mod grip_sums;
 pub mod inverse;
-pub(crate) mod neighbors;
 pub mod regression;
 mod ridge;
 pub(crate) mod road_speed;

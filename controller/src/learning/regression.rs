@@ -15,10 +15,10 @@
 
 use std::ops::Range;
 
+use neighbors::{DIMENSIONS, Found, Point, Tree, squared_distance};
 use pulp::{Arch, Simd, WithSimd};
 use vehicle_model::{Input, State};
 
-use super::neighbors::{DIMENSIONS, Found, Point, Tree, squared_distance};
 use super::ridge::Columns;
 pub use super::ridge::{Gamma, ROWS, Weighted, ridge};
 use crate::config::RegressionConfig;

@@ -1,11 +1,11 @@
 //! Weighted ridge regression of the velocity rows: normal equations of a handful of features.
 
+use fhocp::Affine;
 use nalgebra::{SMatrix, SVector};
+use neighbors::DIMENSIONS;
+use vector_sums::dot;
 
-use super::neighbors::DIMENSIONS;
-use crate::affine::Affine;
 use crate::config::Features;
-use crate::lanes::dot;
 
 /// Velocity rows: v_x, v_y, omega_z.
 pub const ROWS: usize = 3;

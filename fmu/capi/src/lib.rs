@@ -80,7 +80,7 @@ impl From<&Command> for CCommand {
                 Action::Recovering => 5,
             },
             iterations: i32::try_from(status.iterations).unwrap_or(i32::MAX),
-            lap: i32::try_from(status.lap).unwrap_or(i32::MAX),
+            lap: i32::try_from(status.lap.get()).unwrap_or(i32::MAX),
             lap_finished: i32::from(finished.is_some()),
             lap_valid: i32::from(finished.is_some_and(|lap| lap.valid)),
             lap_time: finished.map_or(0.0, |lap| lap.lap_time),

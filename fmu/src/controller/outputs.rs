@@ -49,7 +49,7 @@ impl ControllerFmu {
         ];
         write(values, &slots.status, numbers);
         let numbers = [
-            f64::from(status.lap),
+            f64::from(status.lap.get()),
             f64::from(laps.finished),
             laps.last_time,
             laps.best_time,

@@ -19,7 +19,7 @@ fn counted_solve(solver: &mut RiccatiSolver, problem: &Fhocp, out: &mut Solution
 fn main() {
     let folder = std::env::args().nth(1).unwrap();
     let problems = problem_file::read_all(Path::new(&folder)).unwrap();
-    let mut solver = RiccatiSolver::new(Config::default().solver);
+    let mut solver = RiccatiSolver::new(Config::default().solver.termination());
     let (mut solved, mut iterations) = (0, 0);
     for (_, problem) in &problems {
         let mut solution = Solution::new(problem.horizon(), problem.hull.len());

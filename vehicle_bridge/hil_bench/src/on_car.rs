@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use lcm_types::VehicleState;
+use lcm_types::{LapIndex, VehicleState};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Disturbance, GripChange, Input, State, Track};
 
@@ -152,7 +152,7 @@ impl FaultyCar {
     fn tell_truth(&mut self) {
         let (x, applied) = (self.vehicle.truth(), self.vehicle.applied());
         let h = self.truth.header();
-        let (at, lap) = (h.sent(), i32::try_from(self.vehicle.lap()).unwrap_or(0));
+        let (at, lap) = (h.sent(), LapIndex::after(self.vehicle.lap()));
         let message: VehicleState =
             convert::state_message(h, at, &x, applied, self.vehicle.track(), lap);
         // For the verdict alone.

@@ -2,7 +2,8 @@
 
 use controller::{Config, Measurement, Plan, Pose};
 use lcm_types::{
-    ActuationCommand, ArmToken, BootId, Frenet, Header, MonoTime, SeqNumber, VehicleState, crc,
+    ActuationCommand, ArmToken, BootId, Frenet, Header, LapIndex, MonoTime, SeqNumber,
+    VehicleState, crc,
 };
 use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
@@ -56,7 +57,7 @@ pub fn state_message(
     x: &State,
     applied: Input,
     track: &Track,
-    lap: i32,
+    lap: LapIndex,
 ) -> VehicleState {
     let pose = track.to_global(x);
     VehicleState {
@@ -76,7 +77,7 @@ pub fn state_message(
             e_y: x.e_y,
             e_psi: x.e_psi,
             kappa: track.kappa(x.s),
-            lap,
+            lap: lap.get(),
             track_id: track_id(track),
         },
         h,
@@ -226,8 +227,14 @@ mod tests {
     fn a_state_comes_back_in_the_same_bits_in_either_frame() {
         let track = Track::builtin("l").unwrap();
         let x = State { v_x: 2.1, v_y: -0.03, omega_z: 0.7, e_psi: 0.1, s: 7.3, e_y: -0.2 };
-        let mut sent =
-            state_message(Header::default(), MonoTime::from_ns(5), &x, Input::default(), &track, 2);
+        let mut sent = state_message(
+            Header::default(),
+            MonoTime::from_ns(5),
+            &x,
+            Input::default(),
+            &track,
+            LapIndex::new(2),
+        );
         assert_eq!(pose(&sent, track_id(&track)), Some(Pose::Frenet(x)));
         sent.frenet.track_id += 1;
         let Some(Pose::Global(global)) = pose(&sent, track_id(&track)) else {

@@ -1,7 +1,7 @@
 //! Telemetry and track as messages.
 
-use controller::{Action, Command, Controller, LapResult as Finished, SolveStatus};
-use lcm_types::{Header, LapResult, MpcTelemetry, PredPoint, SeqNumber};
+use controller::{Action, Command, Controller, LapNumber, LapResult as Finished, SolveStatus};
+use lcm_types::{Header, LapIndex, LapResult, MpcTelemetry, PredPoint, SeqNumber};
 use vehicle_model::{CarParams, NX, State, Track};
 
 use super::convert;
@@ -75,7 +75,7 @@ pub fn step_message(
     MpcTelemetry {
         h,
         state_seq: step.state_seq.get(),
-        lap: lap_number(status.lap),
+        lap: lap_index(status.lap).get(),
         status: status_code(status.action, status.solve),
         action: status.action.code() as i8,
         reason: status.reason.code() as i8,
@@ -125,7 +125,7 @@ pub fn lap_message(h: Header, track_id: i64, lap: &Finished, seen: &LapSeen) -> 
     LapResult {
         h,
         track_id,
-        lap: lap_number(lap.lap),
+        lap: lap_index(lap.lap).get(),
         lap_time: lap.lap_time,
         best_time: if seen.best_time.is_finite() { seen.best_time } else { f64::NAN },
         valid: lap.valid,
@@ -200,8 +200,8 @@ impl LapSeen {
 }
 
 /// Laps of the network are counted from 0, the controller's from 1.
-fn lap_number(lap: u32) -> i32 {
-    i32::try_from(lap.saturating_sub(1)).unwrap_or(i32::MAX)
+fn lap_index(lap: LapNumber) -> LapIndex {
+    LapIndex::new(i32::try_from(lap.get().saturating_sub(1)).unwrap_or(i32::MAX))
 }
 
 fn status_code(action: Action, solve: SolveStatus) -> i8 {

@@ -68,7 +68,7 @@ macro_rules! columns {
 
 /// The columns of `laps.csv`.
 pub const LAPS: &[Column<LapRow>] = columns! { lap;
-    "lap" Count(u64::from(lap.result.lap)),
+    "lap" Count(u64::from(lap.result.lap.get())),
     "kind" Word(kind_word(lap.result.kind)),
     "iteration" MaybeCount(lap.iteration.map(u64::from)),
     "lap_time_s" Number(lap.result.lap_time),
@@ -95,7 +95,7 @@ pub const LAPS: &[Column<LapRow>] = columns! { lap;
 /// The columns of `trajectory.csv`.
 pub const STEPS: &[Column<StepRow>] = columns! { row;
     "time_s" Number(row.time),
-    "lap" Count(u64::from(row.status.lap)),
+    "lap" Count(u64::from(row.status.lap.get())),
     "v_x_mps" Number(row.x.v_x),
     "v_y_mps" Number(row.x.v_y),
     "omega_z_radps" Number(row.x.omega_z),

@@ -14,12 +14,12 @@ pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Known>) -> String {
     chart.x_whole = true;
     let points = |keep: fn(&LapRow) -> bool| -> Vec<(f64, f64)> {
         let kept = laps.iter().filter(|lap| keep(lap));
-        kept.map(|lap| (f64::from(lap.result.lap), lap.result.lap_time)).collect()
+        kept.map(|lap| (f64::from(lap.result.lap.get()), lap.result.lap_time)).collect()
     };
     let mut best = f64::INFINITY;
     let so_far = laps.iter().filter(|lap| lap.is_learning() && lap.result.valid).map(|lap| {
         best = best.min(lap.result.lap_time);
-        (f64::from(lap.result.lap), best)
+        (f64::from(lap.result.lap.get()), best)
     });
     let so_far: Vec<(f64, f64)> = so_far.collect();
     chart.series.push(Series::new("warm-up", "soft", Mark::DotLine, points(|l| !l.is_learning())));
@@ -40,7 +40,8 @@ pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Known>) -> Opt
     (learned.len() > 3).then(|| {
         let mut chart = Chart::new("lap", "lap time [s]");
         chart.x_whole = true;
-        let points = learned.iter().map(|l| (f64::from(l.result.lap), l.result.lap_time)).collect();
+        let points =
+            learned.iter().map(|l| (f64::from(l.result.lap.get()), l.result.lap_time)).collect();
         chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
         if let Some(optimal) = optimal {
             let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
@@ -56,7 +57,7 @@ pub(super) fn model_error(laps: &[LapRow]) -> String {
     let mut chart = Chart::new("lap", "|A_learned - A_car| (Frobenius)");
     let over = |value: fn(&LapRow) -> f64| {
         let learned = laps.iter().filter(|lap| lap.is_learning());
-        learned.map(|lap| (f64::from(lap.result.lap), value(lap))).collect::<Vec<_>>()
+        learned.map(|lap| (f64::from(lap.result.lap.get()), value(lap))).collect::<Vec<_>>()
     };
     chart.y_kind = Kind::Log;
     chart.x_whole = true;

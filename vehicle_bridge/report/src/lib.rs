@@ -9,7 +9,7 @@ mod tables;
 
 use std::fmt::Write as _;
 
-use controller::{Action, Config};
+use controller::{Action, Config, LapNumber};
 use vehicle_model::Track;
 
 use hosting::timing::{StepTime, percentile};
@@ -50,7 +50,7 @@ pub struct Report<'a> {
 #[derive(Debug)]
 pub struct LapView<'a> {
     /// Number of the lap.
-    pub number: u32,
+    pub number: LapNumber,
     /// Name when the mouse rests on it.
     pub title: String,
     /// Whether it is the fastest.
@@ -74,9 +74,13 @@ impl LapView<'_> {
     fn line(&self, points: Vec<(f64, f64)>) -> Series {
         Series {
             label: None,
-            class: if self.best { "best".to_owned() } else { format!("s{}", self.number % 6) },
+            class: if self.best {
+                "best".to_owned()
+            } else {
+                format!("s{}", self.number.get() % 6)
+            },
             title: self.title.clone(),
-            lap: Some(self.number),
+            lap: Some(self.number.get()),
             mark: Mark::Line,
             points,
         }

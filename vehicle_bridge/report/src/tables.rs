@@ -71,11 +71,11 @@ pub(super) fn events(laps: &[LapRow], steps: &[StepRow]) -> String {
         "rear slip slack [rad]",
         "unsupported steps",
     ];
-    let last = steps.last().map_or(0, |r| r.status.lap);
-    let first = steps.first().map_or(1, |r| r.status.lap);
+    let last = steps.last().map_or(0, |r| r.status.lap.get());
+    let first = steps.first().map_or(1, |r| r.status.lap.get());
     let mut rows = Vec::new();
     for lap in first..=last {
-        let own: Vec<&StepRow> = steps.iter().filter(|r| r.status.lap == lap).collect();
+        let own: Vec<&StepRow> = steps.iter().filter(|r| r.status.lap.get() == lap).collect();
         let most = |f: fn(&StepRow) -> f64| own.iter().map(|r| f(r)).fold(0.0, f64::max);
         let slack = [
             most(|r| r.status.lane_slack),

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use lcm_types::{
-    ActuationCommand, ActuationReport, BootId, MonoTime, SeqNumber, VehicleState, channels,
+    ActuationCommand, ActuationReport, BootId, LapIndex, MonoTime, SeqNumber, VehicleState,
+    channels,
 };
 use vehicle_model::{Input, State};
 
@@ -163,7 +164,7 @@ impl Car {
     fn publish_state(&mut self, x: &State, measured_at: MonoTime) -> Result<SeqNumber> {
         let h = self.states.header();
         let seq = h.number();
-        let lap = i32::try_from(self.vehicle.lap()).unwrap_or(0);
+        let lap = LapIndex::after(self.vehicle.lap());
         let track = Arc::clone(self.vehicle.track());
         let state: VehicleState =
             convert::state_message(h, measured_at, x, self.vehicle.applied(), &track, lap);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use controller::Pose;
-use lcm_types::{Header, MonoTime, VehicleState};
+use lcm_types::{Header, LapIndex, MonoTime, VehicleState};
 use vehicle_model::{Input, State, Track};
 
 use mapping::{Drive, Mapping};
@@ -119,7 +119,7 @@ impl CarSide {
             Self::Simulated(vehicle) | Self::Stepped(SteppedSide { vehicle, .. }) => vehicle,
             Self::Mapped(_) => return None,
         };
-        let lap = i32::try_from(vehicle.lap()).unwrap_or(0);
+        let lap = LapIndex::after(vehicle.lap());
         Some(convert::state_message(h, measured, x, sent, vehicle.track(), lap))
     }
 

@@ -4,11 +4,10 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution};
+use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, Termination};
 use controller::{Config, SolveStatus};
 use serde::Serialize;
 
-use super::qp::clarabel;
 use super::samples::quantiles;
 
 /// Solves of each problem; the least time counts.
@@ -53,10 +52,10 @@ pub struct Compared {
 /// Solves the problems as the shipped configuration does, each with both solvers.
 #[must_use]
 pub fn compare(problems: &[(String, Fhocp)]) -> Vec<Compared> {
-    let config = Config::default().solver;
-    let clarabel = |tolerance| clarabel(&config, tolerance, 200);
-    let mut structured = RiccatiSolver::new(config.clone());
-    let mut tuned = ClarabelSolver::new(clarabel(config.tolerance));
+    let termination = Config::default().solver.termination();
+    let clarabel = |tolerance| Termination { tolerance, max_iterations: 200 };
+    let mut structured = RiccatiSolver::new(termination);
+    let mut tuned = ClarabelSolver::new(clarabel(termination.tolerance));
     let mut exact = ClarabelSolver::reference(clarabel(EXACT));
     let rows = problems.iter().map(|(name, problem)| {
         let (horizon, points) = (problem.horizon(), problem.hull.len());

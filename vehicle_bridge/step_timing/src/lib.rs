@@ -153,7 +153,7 @@ pub fn measure(
     let mut problems = Vec::new();
     let steps = step::measure(&mut drives, plan.steps, &mut problems);
     progress(&format!("{}: {} QPs with each solver", case.name, problems.len()));
-    let qp = qp::measure(&case.config.solver, &problems);
+    let qp = qp::measure(case.config.solver.termination(), &problems);
     let median = |of: Option<&StepTimes>, name| of.map_or(f64::NAN, |step| step.median(name));
     let (few, most) = (steps.first(), steps.last());
     let whole = median(few, step::WHOLE);

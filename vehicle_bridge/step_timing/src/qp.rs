@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use controller::config::{SolverConfig, SolverMethod};
-use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution};
+use controller::fhocp::{ClarabelSolver, Fhocp, FhocpSolver, RiccatiSolver, Solution, Termination};
 use serde::Serialize;
 
 use super::samples::{Times, preemptions};
@@ -30,18 +29,12 @@ pub struct QpTimes {
     pub structured_to_this: f64,
 }
 
-/// Clarabel with another tolerance and at most so many iterations.
-pub(super) fn clarabel(config: &SolverConfig, tolerance: f64, most: u32) -> SolverConfig {
-    let method = SolverMethod::Clarabel;
-    SolverConfig { method, tolerance, max_iterations: most, ..config.clone() }
-}
-
 /// Times of the structured solver, tuned Clarabel at its tolerance of 1e-6, and Clarabel as it
 /// comes, made anew for each problem.
-pub(super) fn measure(config: &SolverConfig, problems: &[Fhocp]) -> Vec<QpTimes> {
+pub(super) fn measure(termination: Termination, problems: &[Fhocp]) -> Vec<QpTimes> {
     let Some(first) = problems.first() else { return Vec::new() };
-    let clarabel = |tolerance| clarabel(config, tolerance, 100);
-    let mut structured = RiccatiSolver::new(config.clone());
+    let clarabel = |tolerance| Termination { tolerance, max_iterations: 100 };
+    let mut structured = RiccatiSolver::new(termination);
     let mut tuned = ClarabelSolver::new(clarabel(1e-6));
     let mut solution = Solution::new(first.horizon(), first.hull.len());
     let mut times = [const { Vec::new() }; NAMES.len()];

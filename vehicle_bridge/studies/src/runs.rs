@@ -142,7 +142,7 @@ fn study_lap(plan: &Plan, lap: &LapRow) -> StudyLap {
         control_rate_cost: plan.cell.control_rate_cost,
         bandwidth: plan.cell.bandwidth,
         seed: plan.seed,
-        lap: lap.result.lap,
+        lap: lap.result.lap.get(),
         kind: kind_word(lap.result.kind).to_owned(),
         iteration: lap.iteration,
         lap_time_s: finite(lap.result.lap_time),

@@ -4,6 +4,7 @@ use vehicle_model::{CarParams, Input, Segment, State, Track};
 
 use super::*;
 use crate::config::Config;
+use crate::lap_number::LapNumber;
 use crate::status::{LapKind, LapResult};
 
 const BRAKING_FROM: f64 = 1000.0;
@@ -29,7 +30,8 @@ fn lap(a: f64) -> Lap {
         let x = State { v_x, omega_z: v_x * std::f64::consts::PI / 1000.0, s, ..State::default() };
         Sample { time: s, x, u: Input::default(), next: None }
     };
-    let result = LapResult { lap: 1, kind: LapKind::Learning, lap_time: 60.0, valid: true };
+    let result =
+        LapResult { lap: LapNumber::new(1), kind: LapKind::Learning, lap_time: 60.0, valid: true };
     let samples = (0..2000).map(sample).collect();
     Lap { result, samples, start_time: 0.0, end_time: 60.0, follows: true }
 }
