@@ -100,7 +100,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("python", "anyhow controller hosting numpy optimum pyo3 racing studies vehicle_model"),
     (
         "vehicle_bridge",
-        "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core hil_bench hosting indicatif lcm_types live_view log_export mapping network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anstyle anyhow auth clap clap_complete clap_mangen comfy-table controller driven_laps fmu_core foxglove hil_bench hosting indicatif lcm_types live_view log_export mapping network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies svg_page terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
