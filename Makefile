@@ -1,6 +1,7 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
 FMU = $${CARGO_TARGET_DIR:-target}/fmu
-.PHONY: race test test-fast generated tree-size book doc fmu fmu-test fmu-bits fmu-old release deb deb-test wheel lint bench clean
+.PHONY: race test test-fast generated tree-size book doc fmu fmu-test fmu-bits fmu-old release deb deb-test \
+	wheel campaign-test foxglove-test lint bench clean
 
 race:
 	tools/setup.sh race
@@ -88,6 +89,18 @@ deb:
 # What is in the package; as root it is installed, used and purged behind an overlay.
 deb-test: deb
 	tests/interop/deb.sh
+
+# The server of `lmpc view --foxglove`, which is no part of the usual build: lints, then a client.
+foxglove-test:
+	tools/setup.sh race test
+	tools/setup-lcm.sh
+	cargo clippy --release -p vehicle_bridge --features foxglove -- -D warnings
+	tests/interop/foxglove.sh
+
+# 2,000 runs in three shards, one killed and resumed, and the built-in studies against their files.
+campaign-test:
+	tools/setup.sh race
+	tests/interop/campaign.sh
 
 # The wheels of the Python package for Linux (x64 and ARM64, glibc 2.17 or newer) with the FMUs inside, in
 # out/wheels.

@@ -104,7 +104,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("python", "anyhow controller hosting numpy optimum pyo3 racing studies vehicle_model"),
     (
         "vehicle_bridge",
-        "anstream anyhow auth clap clap_complete clap_mangen comfy-table command_line controller doctor driven_laps file_check fmu_core hil_bench hosting lcm_types live_view log_export network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies terminal terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anyhow auth clap clap_complete clap_mangen comfy-table command_line controller doctor driven_laps file_check fmu_core foxglove hil_bench hosting lcm_types live_view log_export network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies terminal terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Builds the Debian package of the program for this machine's architecture into out/deb and prints its
-# size. LMPC_DEB_BINARY names a program that is built already. Needs dpkg-deb and readelf (binutils).
+# size. LMPC_DEB_BINARY names a program that is built already; LMPC_FEATURES=foxglove adds the server of
+# `lmpc view --foxglove`. Needs dpkg-deb and readelf (binutils).
 set -eu
 cd "$(dirname "$0")/.."
 for tool in dpkg-deb readelf python3; do
@@ -11,7 +12,8 @@ cargo_home=${CARGO_HOME:-$HOME/.cargo}
 remap="--remap-path-prefix=$PWD=lmpc --remap-path-prefix=$cargo_home=cargo"
 if [ -z "${LMPC_DEB_BINARY:-}" ]; then
     RUSTFLAGS="${RUSTFLAGS:-} $remap" \
-        cargo build --quiet --locked --profile dist -p vehicle_bridge --bin lmpc
+        cargo build --quiet --locked --profile dist -p vehicle_bridge --bin lmpc \
+        ${LMPC_FEATURES:+--features "$LMPC_FEATURES"}
     LMPC_DEB_BINARY=${CARGO_TARGET_DIR:-target}/dist/lmpc
 fi
 
@@ -58,7 +60,8 @@ gzip -9n "$root/$doc/changelog"
     sed '1,/^Copyright/d; s/^$/./; s/^/ /' LICENSE | sed '1{/^ \.$/d}'
     printf '\nComment: licences of the libraries inside the program: third-party-licences.gz\n'
 } >"$root/$doc/copyright"
-python3 tools/licences.py vehicle_bridge | gzip -9n >"$root/$doc/third-party-licences.gz"
+# shellcheck disable=SC2086 # one word per feature
+python3 tools/licences.py vehicle_bridge ${LMPC_FEATURES:-} | gzip -9n >"$root/$doc/third-party-licences.gz"
 for folder in bench cars examples/lcm examples/studies examples/tracks; do
     mkdir -p "$root/$doc/examples/${folder##*/}"
     cp -r "$folder/." "$root/$doc/examples/${folder##*/}/"

@@ -1,6 +1,6 @@
 """Prints the licences of every library that is linked into a program of this workspace.
 
-    python3 tools/licences.py vehicle_bridge
+    python3 tools/licences.py vehicle_bridge [FEATURE ...]
 
 Reads them from the sources that cargo has downloaded. Fails if a library names no licence.
 """
@@ -36,6 +36,7 @@ def main():
         if line.startswith("host:")
     )
     command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", host]
+    command += [f"--features={sys.argv[1]}/{feature}" for feature in sys.argv[2:]]
     metadata = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
     reached = linked(metadata, sys.argv[1])
     foreign = [p for p in metadata["packages"] if p["id"] in reached and p["source"]]

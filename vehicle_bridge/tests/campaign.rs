@@ -334,5 +334,5 @@ fn the_file_of_the_documents_and_the_examples_are_campaigns() {
         assert!(text(&list.stdout).lines().count() > 40, "{}", text(&list.stderr));
         count += 1;
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 5);
 }

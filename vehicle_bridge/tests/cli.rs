@@ -75,6 +75,16 @@ fn a_wrong_command_line_is_exit_code_2() {
     }
 }
 
+#[cfg(not(feature = "foxglove"))]
+#[test]
+fn a_program_without_the_server_for_foxglove_says_how_to_build_one() {
+    let output = lmpc(&["view", "--race", "--foxglove"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = text(&output.stderr);
+    assert!(error.contains("cargo install ") && error.contains("--features foxglove"), "{error}");
+    assert!(output.stdout.is_empty());
+}
+
 #[test]
 fn wrong_files_are_exit_code_1_and_named() {
     let folder = Folder::new("wrong");

@@ -13,6 +13,7 @@ Examples:
   lmpc view --log drive.log --speed 2        a recorded drive, twice as fast
   lmpc view --race --track monza.csv --car my_car.toml    a race as it runs
   lmpc view --operator --key ~/lmpc.key      with buttons for the operator
+  lmpc view --foxglove                       also to the Foxglove app, at ws://127.0.0.1:8765
 
 Without --operator the page only shows. It is served on this computer alone unless --listen names
 another address. --car and --track give the outline of a car with a file of its own, the use of its
@@ -35,6 +36,10 @@ pub struct ViewArgs {
     #[arg(long, default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST), value_name = "IP",
           conflicts_with = "operator")]
     pub listen: IpAddr,
+    /// Serve the topics of `lmpc export --mcap` to the Foxglove app too, at this port of --listen [8765]; 0
+    /// takes any that is free. Needs a program built with `--features foxglove`
+    #[arg(long, num_args = 0..=1, default_missing_value = "8765", value_name = "PORT")]
+    pub foxglove: Option<u16>,
     /// Show a log of `lmpc record` or lcm-logger instead of the network
     #[arg(long, value_name = "LOG", conflicts_with_all = ["race", "operator"])]
     pub log: Option<PathBuf>,

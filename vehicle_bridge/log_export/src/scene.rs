@@ -79,6 +79,11 @@ impl Scene {
         Self { track, drawn: false }
     }
 
+    /// Draws the track again with the next message: for who has come later.
+    pub fn redraw(&mut self) {
+        self.drawn = false;
+    }
+
     /// Topics and messages that a message of the log gives.
     pub fn take(&mut self, event: &Event) -> Vec<(&'static str, Value)> {
         let mut drawn = Vec::new();

@@ -28,6 +28,11 @@ mod tour;
 mod track;
 mod vehicle;
 mod view;
+#[cfg(feature = "foxglove")]
+mod view_foxglove;
+#[cfg(not(feature = "foxglove"))]
+#[path = "view_without_foxglove.rs"]
+mod view_foxglove;
 mod view_orders;
 mod view_source;
 mod welcome;

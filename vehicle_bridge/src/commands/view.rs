@@ -11,6 +11,7 @@ use lcm_types::channels;
 use vehicle_model::{CarParams, Track};
 
 use super::network::{connect, on_signal};
+use super::view_foxglove::App;
 use super::{Outcome, setup, view_orders, view_source};
 use command_line::ViewArgs;
 use hosting::settings::Usage;
@@ -19,7 +20,7 @@ use optimum_store::Store;
 use protocol::convert;
 use racing::RaceOptions;
 use terminal::{Talk, WARN, paint, result};
-use transport::{Filter, Message, Transport};
+use transport::{Arrival, Filter, Message, Transport};
 
 /// What is shown of a network that cannot hand out every channel.
 const CHANNELS: [&str; 13] = [
@@ -40,6 +41,27 @@ const CHANNELS: [&str; 13] = [
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(50);
 
+/// Who is shown a drive: the page, and the Foxglove app if that is asked for.
+pub(super) struct Audience {
+    page: Arc<View>,
+    app: Option<App>,
+}
+
+impl Audience {
+    /// Shows a message that was received at `arrival`, its monotonic time being that of what is shown.
+    pub(super) fn take(&self, channel: &str, payload: &[u8], arrival: Arrival) {
+        self.page.take(channel, payload, arrival.mono.as_ns());
+        if let Some(app) = &self.app {
+            app.take(channel, payload, arrival.utime);
+        }
+    }
+
+    /// Says that nothing more will come, for this reason.
+    pub(super) fn end(&self, why: &str) {
+        self.page.end(why);
+    }
+}
+
 /// Serves the page until Ctrl-C.
 pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
     if args.operator && args.network.key().is_none() {
@@ -53,8 +75,14 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
     let resolve = resolve(args, &options);
     let address = SocketAddr::new(args.listen, args.port);
     let stop = on_signal()?;
-    let opened = |view: &Arc<View>, options: ServerOptions| -> Result<String> {
-        let server = Server::start(address, Arc::clone(view), options)?;
+    let app =
+        args.foxglove.map(|port| App::serve(SocketAddr::new(args.listen, port))).transpose()?;
+    let audience = |title: String, clock: Clock| {
+        let page = Arc::new(View::new(title, clock, resolve));
+        Arc::new(Audience { page, app })
+    };
+    let opened = |audience: &Audience, options: ServerOptions| -> Result<String> {
+        let server = Server::start(address, Arc::clone(&audience.page), options)?;
         if !args.listen.is_loopback() {
             let text = "whoever reaches this address sees the drive: nothing is encrypted";
             talk.say(&paint(WARN, &format!("warning: {text}")));
@@ -65,26 +93,26 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
     let mut _joined = None;
     if let Some(log) = &args.log {
         let (log, clock) = view_source::Log::open(log, args.speed, args.at)?;
-        let view = Arc::new(View::new(log.title(), clock, resolve));
-        show(&opened(&view, ServerOptions::default())?, talk)?;
-        log.play(&view, &stop)?;
+        let audience = audience(log.title(), clock);
+        show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
+        log.play(&audience, &stop)?;
     } else if args.race {
         let race = view_source::Race::new(options, args)?;
-        let view = Arc::new(View::new(race.title(), race.clock(), resolve));
-        show(&opened(&view, ServerOptions::default())?, talk)?;
-        race.drive(&view, &stop)?;
+        let audience = audience(race.title(), race.clock());
+        show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
+        race.drive(&audience, &stop)?;
     } else {
         let (network, notes, _) = connect(&args.network, false)?;
         for note in &notes {
             talk.say(&paint(WARN, &format!("warning: {note}")));
         }
         let clock: Clock = Box::new(|| transport::now().mono.as_ns());
-        let view = Arc::new(View::new(args.network.url(), clock, resolve));
-        subscribe(&network, &view)?;
+        let audience = audience(args.network.url(), clock);
+        subscribe(&network, &audience)?;
         let orders = if args.operator { Some(view_orders::orders(&network)?) } else { None };
         let token = orders.as_ref().map(|orders| format!("/#operator={}", orders.token));
-        let place = opened(&view, ServerOptions { orders })?;
-        show(&(place + &token.unwrap_or_default()), talk)?;
+        let place = opened(&audience, ServerOptions { orders })?;
+        show(&(place + &token.unwrap_or_default()), &audience, talk)?;
         _joined = Some(network);
     }
     // What was shown can be looked at until the end is asked for.
@@ -94,17 +122,24 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn show(place: &str, talk: Talk) -> Result<()> {
+fn show(place: &str, audience: &Audience, talk: Talk) -> Result<()> {
     result(place)?;
-    talk.say("open it in a browser; Ctrl-C ends");
+    if let Some(app) = &audience.app {
+        result(&format!("ws://{}", app.address()))?;
+        talk.say(
+            "open the first in a browser, the second as a connection of Foxglove; Ctrl-C ends",
+        );
+    } else {
+        talk.say("open it in a browser; Ctrl-C ends");
+    }
     Ok(())
 }
 
-/// Hands every message of a network to the view.
-pub(super) fn subscribe(network: &Arc<dyn Transport>, view: &Arc<View>) -> Result<()> {
-    let view = Arc::clone(view);
+/// Shows every message of a network.
+pub(super) fn subscribe(network: &Arc<dyn Transport>, audience: &Arc<Audience>) -> Result<()> {
+    let audience = Arc::clone(audience);
     let take = move |message: &Message<'_>| {
-        view.take(message.channel, message.payload, message.arrival.mono.as_ns());
+        audience.take(message.channel, message.payload, message.arrival);
     };
     match network.subscribe(Filter::All, Box::new(take.clone())) {
         // Through liblcm channels are known by their subscriptions alone.

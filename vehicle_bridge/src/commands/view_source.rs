@@ -9,19 +9,19 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
-use lcm_types::channels;
-use lcm_types::eventlog::{Event, Reader};
+use lcm_types::eventlog::Reader;
+use lcm_types::{MonoTime, channels};
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{PATIENCE, setup_message};
-use super::view::{is_set, subscribe};
+use super::view::{Audience, is_set, subscribe};
 use command_line::ViewArgs;
 use hosting::rule::FailureRule;
-use live_view::{Clock, View};
+use live_view::Clock;
 use racing::RaceOptions;
 use services::car::{Car, CarOptions};
 use services::service::{Service, ServiceOptions};
-use transport::{Error, Filter, Local, Sink, Statistics, Transport};
+use transport::{Arrival, Error, Filter, Local, Sink, Statistics, Transport};
 
 /// A silence of a log longer than this is passed over. \[us\]
 const SILENCE_US: i64 = 10_000_000;
@@ -65,9 +65,9 @@ impl Log {
         Ok(Reader::new(BufReader::new(file)))
     }
 
-    /// Gives every message to the view when it is due.
-    pub(super) fn play(&self, view: &View, stop: &AtomicBool) -> Result<()> {
-        self.prepare(view)?;
+    /// Shows every message when it is due.
+    pub(super) fn play(&self, audience: &Audience, stop: &AtomicBool) -> Result<()> {
+        self.prepare(audience)?;
         let mut events = self.events()?;
         let (mut begun, mut first) = (Instant::now(), None);
         let (mut last_us, mut ahead) = (0, self.ahead);
@@ -91,24 +91,24 @@ impl Log {
                 return Ok(());
             }
             last_us = event.utime;
-            self.now_ns.store(nanoseconds(&event), Ordering::Relaxed);
-            view.take(&event.channel, &event.data, nanoseconds(&event));
+            self.now_ns.store(arrival(event.utime).mono.as_ns(), Ordering::Relaxed);
+            audience.take(&event.channel, &event.data, arrival(event.utime));
         }
-        view.end("end of the log");
+        audience.end("end of the log");
         Ok(())
     }
 
     /// Track and setup are sent once a second: they are shown from the start.
-    fn prepare(&self, view: &View) -> Result<()> {
+    fn prepare(&self, audience: &Audience) -> Result<()> {
         let mut wanted = vec![channels::SETUP, channels::TRACK];
         let (mut events, mut first) = (self.events()?, None);
         for _ in 0..BEGINNING {
             let Some(event) = events.next_event()? else { break };
-            let start = *first.get_or_insert(nanoseconds(&event));
+            let start = *first.get_or_insert(event.utime);
             let before = wanted.len();
             wanted.retain(|channel| *channel != event.channel);
             if wanted.len() < before {
-                view.take(&event.channel, &event.data, start);
+                audience.take(&event.channel, &event.data, arrival(start));
             }
             if wanted.is_empty() {
                 break;
@@ -118,8 +118,9 @@ impl Log {
     }
 }
 
-fn nanoseconds(event: &Event) -> i64 {
-    event.utime.saturating_mul(1000)
+/// When a message was logged; a log has one clock. \[us\]
+fn arrival(utime: i64) -> Arrival {
+    Arrival { utime, mono: MonoTime::from_ns(utime.saturating_mul(1000)) }
 }
 
 /// A race: the service and a simulated car in lock-step, on a network within this program.
@@ -149,7 +150,7 @@ impl Race {
     }
 
     /// Drives until the laps are done; each period takes as long as the speed says.
-    pub(super) fn drive(self, view: &Arc<View>, stop: &AtomicBool) -> Result<()> {
+    pub(super) fn drive(self, audience: &Arc<Audience>, stop: &AtomicBool) -> Result<()> {
         let Self { options, setup, speed } = self;
         let period = options.config.horizon.period;
         let network: Arc<dyn Transport> = Arc::new(Paced {
@@ -158,7 +159,7 @@ impl Race {
             begun: OnceLock::new(),
             periods: AtomicI64::new(0),
         });
-        subscribe(&network, view)?;
+        subscribe(&network, audience)?;
         let controller = Controller::new(
             options.config.clone(),
             options.nominal.clone(),
@@ -199,7 +200,7 @@ impl Race {
         // It ends by itself now; a panic in it has been printed.
         let _ = server.join();
         drive?;
-        view.end("race over");
+        audience.end("race over");
         Ok(())
     }
 }
