@@ -29,12 +29,15 @@ fn greatest_kick(car: &str, speed: f64, step: impl Fn(&State, &Input, &Track) ->
     greatest
 }
 
+/// Without the mean curvature of a step it would be 0.01.
+const MOST: f64 = 1.5e-3;
+
 #[test]
 fn the_models_step_turns_the_car_by_its_yaw_rate_alone() {
     let model = Model::new(ModelKind::Dynamic, CarParams::builtin("barc").unwrap());
     let step = Discretized { model, dt: 0.1, substeps: 10 };
     let kick = greatest_kick("barc", 3.0, |x, u, track| step.next(x, u, track.road()));
-    assert!(kick < 5e-4, "{kick}");
+    assert!(kick < MOST, "{kick}");
 }
 
 #[test]
@@ -46,5 +49,5 @@ fn the_plant_turns_the_car_by_its_yaw_rate_alone() {
         plant.apply(*u, 0.1);
         plant.truth()
     });
-    assert!(kick < 5e-4, "{kick}");
+    assert!(kick < MOST, "{kick}");
 }

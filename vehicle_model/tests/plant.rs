@@ -43,7 +43,7 @@ fn plain_plant_is_the_model_bit_for_bit() {
         let u = drive(&x, &track);
         let u = Input { a: u.a.clamp(-2.0, 2.0), delta: u.delta.clamp(-0.436, 0.436) };
         plant.apply(u, DT);
-        x = step.next(&x, &u, |s| track.kappa(s));
+        x = step.next(&x, &u, track.road());
         assert_eq!(plant.progress(), x.s);
         assert_eq!(plant.truth(), State { s: track.wrap(x.s), ..x });
         assert_eq!(plant.measure(), plant.truth());
