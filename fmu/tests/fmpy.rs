@@ -16,10 +16,11 @@ fn target() -> PathBuf {
     exe.ancestors().nth(2).unwrap().to_owned()
 }
 
-fn packed(version: Version) -> PathBuf {
+/// Packed into a folder of its own: the tests of this file run at the same time.
+fn packed(version: Version, folder: &str) -> PathBuf {
     let binary =
         Binary { platform: Platform::LinuxX64, path: target().join("examples/libprobe.so") };
-    let path = target().join(format!("fmu/{version:?}/probe.fmu").to_lowercase());
+    let path = target().join(format!("fmu/{folder}/{version:?}/probe.fmu").to_lowercase());
     pack(Probe::description(), version, &[binary], &path).unwrap();
     path
 }
@@ -44,7 +45,7 @@ fn python(script: &str, arguments: &[PathBuf]) {
 
 #[test]
 fn fmpy_validates_simulates_and_survives_bad_input() {
-    python("fmpy_probe.py", &[packed(Version::Fmi2), packed(Version::Fmi3)]);
+    python("fmpy_probe.py", &[Version::Fmi2, Version::Fmi3].map(|version| packed(version, "fmpy")));
 }
 
 #[test]
@@ -53,9 +54,9 @@ fn packing_twice_gives_the_same_bytes_and_the_parts_are_there() {
         (Version::Fmi2, "binaries/linux64/probe.so", "guid"),
         (Version::Fmi3, "binaries/x86_64-linux/probe.so", "instantiationToken"),
     ] {
-        let path = packed(version);
+        let path = packed(version, "twice");
         let first = std::fs::read(&path).unwrap();
-        assert!(first == std::fs::read(packed(version)).unwrap());
+        assert!(first == std::fs::read(packed(version, "twice")).unwrap());
         let inside = inspect(&path).unwrap();
         let token = Probe::description().token().to_owned();
         assert!(inside.attributes.contains(&(guid.to_owned(), token)));
