@@ -103,4 +103,4 @@ printf '\0' | dd of="$plain" bs=1 seek=$offset conv=notrunc status=none
 valgrind --quiet --leak-check=full --errors-for-leak-kinds=definite,indirect --error-exitcode=9 \
     "$plain" > "$work/example-plain.txt"
 cmp "$work/example.txt" "$work/example-plain.txt"
-echo "static library: $expected (hash, learned steps, laps of 400 steps), as the FMU; no leak
+echo "static library: $expected (hash, learned steps, laps of 400 steps), as the FMU; no leak"
