@@ -8,10 +8,8 @@ import json
 import math
 import pathlib
 import re
-import signal
 import struct
 import subprocess
-import sys
 import threading
 import time
 import urllib.request
@@ -20,26 +18,11 @@ from mcap.reader import make_reader
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-LMPC, OUT = sys.argv[1], pathlib.Path(sys.argv[2])
-FAST = ["--config", "config/barc_100hz.toml", "--set", "warm_up.laps=1"]
+from programs import FAST, LMPC, OUT, end, running, start
+
 SCENE = {"scene/track", "scene/car", "scene/prediction", "scene/safe_set", "tf"}
 # What the layout of the documents draws.
 LAYOUT = set(re.findall(r'"value": "([A-Z/]+)\.', pathlib.Path("docs/foxglove-layout.json").read_text())) | SCENE
-running = []
-
-
-def start(name, *args):
-    """A program of ours; what it prints goes to a file of its own."""
-    log = open(OUT / f"{name}.txt", "w")
-    program = subprocess.Popen([LMPC, *args], stdout=log, stderr=log)
-    running.append(program)
-    return program
-
-
-def end(program):
-    program.send_signal(signal.SIGINT)
-    assert program.wait(10) in (0, 1, 3), program.args
-    running.remove(program)
 
 
 def address(name, scheme):

@@ -14,5 +14,7 @@ if [ -z "${LMPC_ISOLATED:-}" ]; then
     cp "${CARGO_TARGET_DIR:-target}/release/lmpc" "$out/lmpc"
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
+# Of an earlier run; an address in them would be taken for that of this one.
+rm -f "$out"/*.txt
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'
 target/lcm/venv/bin/python tests/interop/foxglove.py "$out/lmpc" "$out"

@@ -5,7 +5,6 @@
 
 import pathlib
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -14,28 +13,13 @@ import urllib.request
 
 from playwright.sync_api import sync_playwright
 
-LMPC, OUT = sys.argv[1], pathlib.Path(sys.argv[2])
+from programs import FAST, LMPC, OUT, end, running, start
+
 PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 and sys.argv[3] != "--minutes" else None
 MINUTES = float(sys.argv[-1]) if "--minutes" in sys.argv else 0
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 PORT = 8711
 PAGE = f"http://127.0.0.1:{PORT}"
-FAST = ["--config", "config/barc_100hz.toml", "--set", "warm_up.laps=1"]
-running = []
-
-
-def start(name, *args):
-    """A program of ours; what it prints goes to a file of its own."""
-    log = open(OUT / f"{name}.txt", "a")
-    program = subprocess.Popen([LMPC, *args], stdout=log, stderr=log)
-    running.append(program)
-    return program
-
-
-def end(program):
-    program.send_signal(signal.SIGINT)
-    assert program.wait(10) in (0, 1, 3), program.args
-    running.remove(program)
 
 
 def until(page, what, expression, seconds=20):
