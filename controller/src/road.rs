@@ -5,12 +5,15 @@
 //! test (1954), which does not weigh what was before the fall against it:
 //!
 //! ```text
-//! c_h = sum_rows min(r_h^2 / sigma^2, MOST)        rows v_y and omega_z
-//! G_h <- max(0, FORGET G_h + c_in_force - c_h)
+//! c_h = min over w in {0, 1} of sum_rows min((r_h + w e)^2 / sigma^2, MOST)      rows v_y and omega_z
+//! g_h = c_in_force - c_h
+//! G_h <- max(0, FORGET G_h + min(g_h, g_h of the period before))
 //! ```
 //!
-//! sigma is what the residuals of the share in force were before. A lower share comes into force as
-//! soon as G_h is clear; a higher one a little with each period in which it is.
+//! sigma is what the residuals of the share in force were before. e is the learned error of the model:
+//! where data are few it is wrong, and a motion that the model alone explains is no sign of another
+//! grip. Nor is one residual alone, which noise leaves as well: a fall of grip stays. A lower share
+//! comes into force as soon as G_h is clear; a higher one a little with each period in which it is.
 //!
 //! While the whole grip is in force and explains the motion (c_in_force and all G_h below QUIET) no other
 //! hypothesis is driven: it would gain less than QUIET of the evidence that is CLEAR.
@@ -63,6 +66,8 @@ pub(crate) struct Road {
     pub(crate) share: f64,
     /// G_h.
     sums: [f64; FACTORS.len()],
+    /// g_h of the last period.
+    gains: [f64; FACTORS.len()],
     /// Variances of the residuals of v_y and omega_z with the share in force.
     variance: [f64; 2],
     count: f64,
@@ -87,6 +92,7 @@ impl Default for Road {
         Self {
             share: 1.0,
             sums: [0.0; FACTORS.len()],
+            gains: [0.0; FACTORS.len()],
             variance: [0.0; 2],
             count: 0.0,
             proved: 0.0,
@@ -113,7 +119,7 @@ impl Road {
             self.changes.pop();
         }
         self.changes.push(Change { lap, sample, share });
-        self.sums = [0.0; FACTORS.len()];
+        (self.sums, self.gains) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
     }
 
     /// Variances of the residuals of the share in force, none below that of `floor`.
@@ -132,15 +138,28 @@ impl Road {
     fn rest(&mut self, residual: &[f64; 2], floor: [f64; 2]) {
         let variance = self.variances(floor);
         self.sums = self.sums.map(|sum| FORGET * sum);
+        self.gains = [0.0; FACTORS.len()];
         self.remember(residual, &variance);
     }
 
-    /// Takes in the residuals [v_y, omega_z] of each hypothesis; gives the share they ask for.
-    fn weigh(&mut self, residuals: &[[f64; 2]; FACTORS.len()], floor: [f64; 2]) -> Option<f64> {
+    /// Takes in the residuals [v_y, omega_z] of each hypothesis, and the learned error that is in them; gives
+    /// the share they ask for.
+    fn weigh(
+        &mut self,
+        residuals: &[[f64; 2]; FACTORS.len()],
+        error: [f64; 2],
+        floor: [f64; 2],
+    ) -> Option<f64> {
         let variance = self.variances(floor);
-        let own = cost(&residuals[0], &variance);
-        for (sum, residual) in self.sums.iter_mut().zip(residuals) {
-            *sum = (FORGET * *sum + own - cost(residual, &variance)).max(0.0);
+        let cost = |residual: &[f64; 2]| {
+            let without = [residual[0] + error[0], residual[1] + error[1]];
+            cost(residual, &variance).min(cost(&without, &variance))
+        };
+        let own = cost(&residuals[0]);
+        for ((sum, last), residual) in self.sums.iter_mut().zip(&mut self.gains).zip(residuals) {
+            let gain = own - cost(residual);
+            *sum = (FORGET * *sum + gain.min(*last)).max(0.0);
+            *last = gain;
         }
         let best = (0..FACTORS.len())
             .fold(0, |best, h| if self.sums[h] > self.sums[best] { h } else { best });
@@ -260,7 +279,7 @@ impl Controller {
         if !residuals.iter().flatten().all(|r| r.is_finite()) {
             return;
         }
-        let Some(wanted) = self.memory.road.weigh(&residuals, floor) else {
+        let Some(wanted) = self.memory.road.weigh(&residuals, [wrong[1], wrong[2]], floor) else {
             return;
         };
         let (lap, sample) =

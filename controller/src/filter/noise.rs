@@ -29,7 +29,7 @@ const GREATEST: f64 = 1e6;
 /// A residual counts up to this many standard deviations.
 const CLIP: f64 = 4.0;
 /// Noise of the position that counts as noise, in wheelbases; half of it ends the filtering.
-const NOISY: f64 = 2e-3;
+const NOISY: f64 = 5e-4;
 /// Least feedback of such a row on itself.
 const OWN: f64 = 0.5;
 /// Rows of the velocities.
