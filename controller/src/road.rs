@@ -7,13 +7,13 @@
 //! ```text
 //! c_h = min over w in {0, 1} of sum_rows min((r_h + w e)^2 / sigma^2, MOST)      rows v_y and omega_z
 //! g_h = c_in_force - c_h
-//! G_h <- max(0, FORGET G_h + min(g_h, g_h of the period before))
+//! G_h <- max(0, FORGET G_h + g_h)
 //! ```
 //!
 //! sigma is what the residuals of the share in force were before. e is the learned error of the model:
 //! where data are few it is wrong, and a motion that the model alone explains is no sign of another
-//! grip. Nor is one residual alone, which noise leaves as well: a fall of grip stays. A lower share
-//! comes into force as soon as G_h is clear; a higher one a little with each period in which it is.
+//! grip. Where measurements are noisy nor is one residual alone: of g_h no more than ALONE counts at
+//! once, and the rest in the next period, as far as it says the same. A lower share comes into force as soon as G_h is clear; a higher one a little with each period in which it is.
 //!
 //! While the whole grip is in force and explains the motion (c_in_force and all G_h below QUIET) no other
 //! hypothesis is driven: it would gain less than QUIET of the evidence that is CLEAR.
@@ -35,6 +35,8 @@ const FORGET: f64 = 0.85;
 const MOST: f64 = 36.0;
 /// Evidence that brings a lower share into force, and a higher one.
 const CLEAR: f64 = 25.0;
+/// Most of a noisy period's evidence that counts at once.
+const ALONE: f64 = 12.0;
 /// The same for a share with which the tyres could not have held what they held before.
 const SURE: f64 = 120.0;
 /// Evidence that needs no other hypothesis to explain it.
@@ -66,8 +68,8 @@ pub(crate) struct Road {
     pub(crate) share: f64,
     /// G_h.
     sums: [f64; FACTORS.len()],
-    /// g_h of the last period.
-    gains: [f64; FACTORS.len()],
+    /// What of g_h in the last period has not counted yet.
+    uncounted: [f64; FACTORS.len()],
     /// Variances of the residuals of v_y and omega_z with the share in force.
     variance: [f64; 2],
     count: f64,
@@ -92,7 +94,7 @@ impl Default for Road {
         Self {
             share: 1.0,
             sums: [0.0; FACTORS.len()],
-            gains: [0.0; FACTORS.len()],
+            uncounted: [0.0; FACTORS.len()],
             variance: [0.0; 2],
             count: 0.0,
             proved: 0.0,
@@ -119,7 +121,7 @@ impl Road {
             self.changes.pop();
         }
         self.changes.push(Change { lap, sample, share });
-        (self.sums, self.gains) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
+        (self.sums, self.uncounted) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
     }
 
     /// Variances of the residuals of the share in force, none below that of `floor`.
@@ -138,7 +140,7 @@ impl Road {
     fn rest(&mut self, residual: &[f64; 2], floor: [f64; 2]) {
         let variance = self.variances(floor);
         self.sums = self.sums.map(|sum| FORGET * sum);
-        self.gains = [0.0; FACTORS.len()];
+        self.uncounted = [0.0; FACTORS.len()];
         self.remember(residual, &variance);
     }
 
@@ -149,6 +151,7 @@ impl Road {
         residuals: &[[f64; 2]; FACTORS.len()],
         error: [f64; 2],
         floor: [f64; 2],
+        noisy: bool,
     ) -> Option<f64> {
         let variance = self.variances(floor);
         let cost = |residual: &[f64; 2]| {
@@ -156,10 +159,13 @@ impl Road {
             cost(residual, &variance).min(cost(&without, &variance))
         };
         let own = cost(&residuals[0]);
-        for ((sum, last), residual) in self.sums.iter_mut().zip(&mut self.gains).zip(residuals) {
+        let alone = if noisy { ALONE } else { f64::INFINITY };
+        for ((sum, last), residual) in self.sums.iter_mut().zip(&mut self.uncounted).zip(residuals)
+        {
             let gain = own - cost(residual);
-            *sum = (FORGET * *sum + gain.min(*last)).max(0.0);
-            *last = gain;
+            let late = FORGET * last.min(gain.max(0.0));
+            *sum = (FORGET * *sum + gain.min(alone) + late).max(0.0);
+            *last = (gain - alone).max(0.0);
         }
         let best = (0..FACTORS.len())
             .fold(0, |best, h| if self.sums[h] > self.sums[best] { h } else { best });
@@ -279,7 +285,9 @@ impl Controller {
         if !residuals.iter().flatten().all(|r| r.is_finite()) {
             return;
         }
-        let Some(wanted) = self.memory.road.weigh(&residuals, [wrong[1], wrong[2]], floor) else {
+        let noisy = self.memory.estimate.filters();
+        let Some(wanted) = self.memory.road.weigh(&residuals, [wrong[1], wrong[2]], floor, noisy)
+        else {
             return;
         };
         let (lap, sample) =

@@ -29,7 +29,11 @@ const GREATEST: f64 = 1e6;
 /// A residual counts up to this many standard deviations.
 const CLIP: f64 = 4.0;
 /// Noise of the position that counts as noise, in wheelbases; half of it ends the filtering.
-const NOISY: f64 = 5e-4;
+const NOISY: f64 = 2e-3;
+/// The same where the residuals are noise for the most part, and no error of the model.
+const CLEARLY_NOISY: f64 = 5e-4;
+/// Share that noise then has in the variance of the residuals; noise alone has half.
+const CLEAR: f64 = 0.3;
 /// Least feedback of such a row on itself.
 const OWN: f64 = 0.5;
 /// Rows of the velocities.
@@ -97,9 +101,11 @@ impl Noise {
             self.c_2[i] += share * (d[i] * before[i] - self.c_2[i]);
             self.a[i] += share * (a[(i, i)] - self.a[i]);
         }
-        let least = NOISY * length * if self.noisy { 0.5 } else { 1.0 };
-        let known = self.count >= LEAST;
-        self.noisy = known && [4, 5].iter().all(|i| self.row(*i).0.sqrt() > least);
+        let held = if self.noisy { 0.5 } else { 1.0 };
+        let position = [4, 5].map(|i| (self.row(i).0, self.c_0[i]));
+        let clear = position.iter().all(|(r, c_0)| *r > held * CLEAR * c_0);
+        let least = held * length * if clear { CLEARLY_NOISY } else { NOISY };
+        self.noisy = self.count >= LEAST && position.iter().all(|(r, _)| r.sqrt() > least);
     }
 
     /// Noise and model error of a row.
