@@ -12,8 +12,11 @@
 //!
 //! sigma is what the residuals of the share in force were before. e is the learned error of the model:
 //! where data are few it is wrong, and a motion that the model alone explains is no sign of another
-//! grip. Where measurements are noisy nor is one residual alone: of g_h no more than ALONE counts at
-//! once, and the rest in the next period, as far as it says the same. A lower share comes into force as soon as G_h is clear; a higher one a little with each period in which it is.
+//! grip. Where measurements are noisy, nor is one residual alone: of g_h no more than ALONE counts at
+//! once, and the rest in the next period, as far as that period says the same.
+//!
+//! A lower share comes into force as soon as G_h is clear; a higher one a little with each period in
+//! which it is.
 //!
 //! While the whole grip is in force and explains the motion (c_in_force and all G_h below QUIET) no other
 //! hypothesis is driven: it would gain less than QUIET of the evidence that is CLEAR.
@@ -35,10 +38,10 @@ const FORGET: f64 = 0.85;
 const MOST: f64 = 36.0;
 /// Evidence that brings a lower share into force, and a higher one.
 const CLEAR: f64 = 25.0;
-/// Most of a noisy period's evidence that counts at once.
-const ALONE: f64 = 12.0;
 /// The same for a share with which the tyres could not have held what they held before.
 const SURE: f64 = 120.0;
+/// Most of a noisy period's evidence that counts at once.
+const ALONE: f64 = 12.0;
 /// Evidence that needs no other hypothesis to explain it.
 const QUIET: f64 = 1.0;
 /// Steps for which a fall is fresh.
@@ -160,12 +163,12 @@ impl Road {
         };
         let own = cost(&residuals[0]);
         let alone = if noisy { ALONE } else { f64::INFINITY };
-        for ((sum, last), residual) in self.sums.iter_mut().zip(&mut self.uncounted).zip(residuals)
+        for ((sum, rest), residual) in self.sums.iter_mut().zip(&mut self.uncounted).zip(residuals)
         {
             let gain = own - cost(residual);
-            let late = FORGET * last.min(gain.max(0.0));
+            let late = FORGET * rest.min(gain.max(0.0));
             *sum = (FORGET * *sum + gain.min(alone) + late).max(0.0);
-            *last = (gain - alone).max(0.0);
+            *rest = (gain - alone).max(0.0);
         }
         let best = (0..FACTORS.len())
             .fold(0, |best, h| if self.sums[h] > self.sums[best] { h } else { best });
@@ -297,5 +300,42 @@ impl Controller {
         self.apply_learned();
         self.make_road_speed();
         self.prepared = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: [f64; 2] = [1.0; 2];
+
+    /// Known for long, and residuals that 0.77 of the grip alone explains.
+    fn fallen() -> (Road, [[f64; 2]; FACTORS.len()]) {
+        let residuals = FACTORS.map(|factor| if factor == 0.77 { [0.0; 2] } else { [5.0; 2] });
+        (Road { count: KNOWN, variance: FLOOR, ..Road::default() }, residuals)
+    }
+
+    #[test]
+    fn a_fall_is_believed_at_once_and_among_noise_when_it_stays() {
+        let near = |share: Option<f64>| share.is_some_and(|share| (share - 0.77).abs() < 1e-3);
+        let (mut exact, residuals) = fallen();
+        assert!(near(exact.weigh(&residuals, [0.0; 2], FLOOR, false)));
+        let (mut noisy, _) = fallen();
+        assert_eq!(noisy.weigh(&residuals, [0.0; 2], FLOOR, true), None);
+        assert!(near(noisy.weigh(&residuals, [0.0; 2], FLOOR, true)));
+        // A residual that does not come again is forgotten.
+        let (mut once, _) = fallen();
+        assert_eq!(once.weigh(&residuals, [0.0; 2], FLOOR, true), None);
+        for _ in 0..20 {
+            assert_eq!(once.weigh(&[[0.5; 2]; FACTORS.len()], [0.0; 2], FLOOR, true), None);
+        }
+    }
+
+    #[test]
+    fn what_the_model_explains_without_its_learned_error_is_no_fall() {
+        let (mut road, residuals) = fallen();
+        for _ in 0..20 {
+            assert_eq!(road.weigh(&residuals, [-5.0; 2], FLOOR, false), None);
+        }
     }
 }

@@ -82,6 +82,7 @@ fn a_program_without_the_server_for_foxglove_says_how_to_build_one() {
     assert_eq!(output.status.code(), Some(2));
     let error = text(&output.stderr);
     assert!(error.contains("cargo install ") && error.contains("--features foxglove"), "{error}");
+    assert!(output.stdout.is_empty());
 }
 
 #[test]

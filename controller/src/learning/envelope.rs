@@ -30,7 +30,6 @@ const SLOWER: f64 = 0.05;
 const TRUST: f64 = 0.01;
 /// Laps after which a near miss is forgotten.
 pub(crate) const REMEMBERED: usize = 8;
-
 /// Learned laps after which the least growth shrinks.
 const SETTLED: f64 = 8.0;
 
