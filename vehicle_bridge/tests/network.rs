@@ -1,6 +1,7 @@
 //! `lmpc serve` and `lmpc vehicle sim` in two processes over real multicast.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
+use std::io::Cursor;
 use std::time::Duration;
 
 use common::{MULTICAST, Program, URL, isolated};
@@ -97,17 +98,18 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         let race = race();
         let learned = race.steps.iter().filter(|row| row.status.action == Action::Learned).count();
         assert!(learned >= 150, "{learned} learned steps");
+        // Every state behind its command: the order in which a recorder can hear them at worst.
         let mut log = Writer::new(Vec::new());
         let mut keep = |received: &transport::Received| {
             log.write(0, &received.channel, &received.payload).unwrap();
         };
-        let states: Vec<VehicleState> = std::iter::from_fn(|| states.take())
-            .inspect(&mut keep)
-            .map(|received| VehicleState::open(&received.payload).unwrap())
-            .collect();
         let commands: Vec<ActuationCommand> = std::iter::from_fn(|| commands.take())
             .inspect(&mut keep)
             .map(|received| ActuationCommand::open(&received.payload).unwrap())
+            .collect();
+        let states: Vec<VehicleState> = std::iter::from_fn(|| states.take())
+            .inspect(&mut keep)
+            .map(|received| VehicleState::open(&received.payload).unwrap())
             .collect();
         for (n, row) in race.steps.iter().enumerate() {
             // A state not heard at once is said again, with the same time of measurement.
@@ -136,7 +138,7 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
             let RaceOptions { mut config, nominal, track, .. } = options();
             config.warm_up.seed = seed;
             let mut controller = Controller::new(config, nominal, track).unwrap();
-            replay(&log[..], &mut controller).unwrap()
+            replay(Cursor::new(&log), &mut controller).unwrap()
         };
         let found = again(SEED);
         assert!(found.is_identical() && found.commands == STEPS as u64, "{found:?}");

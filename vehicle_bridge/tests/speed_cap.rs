@@ -1,6 +1,7 @@
 //! The operator's orders in a drive on the network, and the replay of its log.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "code of tests")]
 
+use std::io::Cursor;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -47,7 +48,7 @@ fn again(messages: &[transport::Received], keep: impl Fn(&str) -> bool) -> Repla
     for message in messages.iter().filter(|m| keep(&m.channel)) {
         log.write(message.arrival.utime, &message.channel, &message.payload).unwrap();
     }
-    replay(&log.into_inner()[..], &mut controller()).unwrap()
+    replay(Cursor::new(log.into_inner()), &mut controller()).unwrap()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A log's states through the controller again: do the same commands come out?
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{Read, Seek};
 
 use anyhow::Result;
 use controller::Controller;
@@ -27,7 +27,7 @@ pub struct Replay {
     pub first_difference: Option<SeqNumber>,
     /// Commands whose state is not in the log. \[-\]
     pub without_state: u64,
-    /// Messages of the two channels that could not be read. \[-\]
+    /// Messages of its channels that could not be read. \[-\]
     pub unreadable: u64,
     /// What of the log is no event.
     pub damage: Damage,
@@ -43,31 +43,28 @@ impl Replay {
 
 /// Gives every state that a command in `log` answers to the controller, which must know what the
 /// one that was recorded knew at its start. The operator's speed cap acts from where the service
-/// acknowledged it in the log.
+/// acknowledged it in the log. A state may stand behind its command: a recorder beside the service
+/// can hear them in either order.
 ///
 /// # Errors
 /// If the log cannot be read.
-pub fn replay(log: impl Read, controller: &mut Controller) -> Result<Replay> {
+pub fn replay(mut log: impl Read + Seek, controller: &mut Controller) -> Result<Replay> {
+    let (states, unreadable) = states(&mut log)?;
+    log.rewind()?;
     let mut player = Player {
         track_id: convert::track_id(controller.track()),
         schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
-        states: BTreeMap::new(),
+        states,
         caps: BTreeMap::new(),
         cap: None,
         last: None,
-        found: Replay::default(),
+        found: Replay { unreadable, ..Replay::default() },
         controller,
     };
     let mut events = Reader::new(log);
     for event in events.by_ref() {
         let event = event?;
         match event.channel.as_str() {
-            channels::STATE => match VehicleState::open(&event.data) {
-                Ok(state) => {
-                    drop(player.states.insert((state.h.sender_start(), state.h.number()), state))
-                }
-                Err(_) => player.found.unreadable += 1,
-            },
             channels::OPERATOR => match OperatorCommand::open(&event.data) {
                 Ok(order) if order.command == OperatorCommand::SET_SPEED_CAP => {
                     player.caps.insert(order.request_id, order.value);
@@ -93,12 +90,31 @@ pub fn replay(log: impl Read, controller: &mut Controller) -> Result<Replay> {
     Ok(Replay { damage: events.damage(), ..player.found })
 }
 
+/// States by the sender's start and number.
+type States = BTreeMap<(BootId, SeqNumber), VehicleState>;
+
+/// All states of a log, and how many of their messages could not be read.
+fn states(log: impl Read) -> Result<(States, u64)> {
+    let (mut states, mut unreadable) = (States::new(), 0);
+    for event in Reader::new(log) {
+        let event = event?;
+        if event.channel != channels::STATE {
+            continue;
+        }
+        match VehicleState::open(&event.data) {
+            Ok(state) => drop(states.insert((state.h.sender_start(), state.h.number()), state)),
+            Err(_) => unreadable += 1,
+        }
+    }
+    Ok((states, unreadable))
+}
+
 /// The service's part in a drive, from its messages.
 struct Player<'a> {
     controller: &'a mut Controller,
     track_id: i64,
     schedule: Schedule,
-    states: BTreeMap<(BootId, SeqNumber), VehicleState>,
+    states: States,
     /// Speed caps ordered, by the number of the order. \[m/s\]
     caps: BTreeMap<i64, f64>,
     cap: Option<f64>,
