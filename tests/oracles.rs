@@ -107,7 +107,8 @@ fn without_data_in_reach_the_nominal_model_stands_alone() {
                 assert!((0..3).all(zero), "{sum:?}");
                 continue;
             }
-            let linear = f.linearize(&x, &u, track.road());
+            let mut linear = f.linearize(&x, &u, track.road());
+            f.follow_bend(&x, &track.road(), &mut linear);
             let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
             assert!(same_bits(&model.sum(), &Affine { a: linear.a, b: linear.b, c }), "{x:?}");
         }

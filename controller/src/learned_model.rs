@@ -56,8 +56,10 @@ pub(crate) fn nominal_all(
         }
         return;
     }
-    model.linearize_all(points, track.road(), |i, linear| {
+    let road = track.road();
+    model.linearize_all(points, track.road(), |i, mut linear| {
         let (x, u) = &points[i];
+        model.follow_bend(x, &road, &mut linear);
         let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
         found(i, Affine { a: linear.a, b: linear.b, c });
     });

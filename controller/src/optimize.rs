@@ -268,10 +268,15 @@ impl Workspace {
         self.problem.rate_cost = Vector2::new(acceleration, steering) / (dt * dt);
     }
 
-    /// Hull and costs. s counts from where the plan expects the car: the numbers stay small
+    /// Hull, costs and the models' frame. s counts from where the plan expects the car: the numbers stay small
     /// whatever the length of the track.
     fn aim(&mut self, memory: &Memory) {
         self.origin = memory.plan.x[0].s;
+        for model in &mut self.problem.model {
+            let mut by_s = model.a.column(4).into_owned();
+            by_s[4] -= 1.0;
+            model.c += by_s * self.origin;
+        }
         for (ours, point) in self.problem.hull.iter_mut().zip(&self.safe_set.points) {
             *ours = *point;
             ours[4] -= self.origin;

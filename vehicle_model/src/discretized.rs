@@ -29,7 +29,7 @@ const DIRECTIONS: usize = NX + NU;
 /// A model sampled with a control step: `substeps` steps of Runge-Kutta 4 over `dt`.
 ///
 /// Curvature and surface are looked up at every stage from the value of s and frozen in the Jacobian
-/// (d kappa/d s = 0): differences across a jump of curvature would be meaningless and huge. Where the
+/// (d kappa/d s = 0); [`Discretized::follow_bend`] adds what its change means. Where the
 /// curvature jumps, the stages of a Runge-Kutta step share its mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discretized {

@@ -51,3 +51,41 @@ fn the_plant_turns_the_car_by_its_yaw_rate_alone() {
     });
     assert!(kick < MOST, "{kick}");
 }
+
+/// The Jacobians by s and by the velocities against differences of the step, with the change of the bend
+/// anywhere in it.
+#[test]
+fn a_linearised_step_follows_the_bend() {
+    const H: f64 = 1e-3;
+    let model = Model::new(ModelKind::Dynamic, CarParams::builtin("barc").unwrap());
+    let step = Discretized { model, dt: 0.1, substeps: 50 };
+    let track = Track::builtin("l").unwrap();
+    let u = Input { a: -1.0, delta: 0.1 };
+    let (mut apart, mut frozen) = (0.0_f64, 0.0_f64);
+    let jumps: Vec<f64> = track.curvature_jumps();
+    for jump in &jumps {
+        for i in 1..10_u32 {
+            let s = jump - 0.3 * f64::from(i) / 10.0;
+            // Of two changes in one step only their sum is followed.
+            if jumps.iter().filter(|other| (s - 0.1..s + 0.5).contains(other)).count() > 1 {
+                continue;
+            }
+            let x = State { v_x: 3.0, v_y: 0.02, omega_z: 0.8, e_psi: 0.05, s, e_y: 0.1 };
+            let without = step.linearize(&x, &u, track.road());
+            let mut found = without;
+            step.follow_bend(&x, &track.road(), &mut found);
+            for j in [0, 1, 3, 4, 5] {
+                let shifted = |h: f64| {
+                    let mut x = x.to_vector();
+                    x[j] += h;
+                    step.next(&State::from_vector(&x), &u, track.road()).to_vector()
+                };
+                let difference = (shifted(H) - shifted(-H)) / (2.0 * H);
+                let largest = |a: nalgebra::Vector6<f64>| (a - difference).amax();
+                apart = apart.max(largest(found.a.column(j).into_owned()));
+                frozen = frozen.max(largest(without.a.column(j).into_owned()));
+            }
+        }
+    }
+    assert!(apart < 0.12 && frozen > 0.9, "{apart}, without the bend {frozen}");
+}

@@ -303,8 +303,10 @@ impl Race {
         };
         let at = |x: &State, u: &Input| {
             let learned = self.controller.learned_model(x, u).sum().a;
-            let exact = plant.linearize(x, u, self.options.track.road()).a;
-            (learned - exact).norm()
+            let road = self.options.track.road();
+            let mut exact = plant.linearize(x, u, self.options.track.road());
+            plant.follow_bend(x, &road, &mut exact);
+            (learned - exact.a).norm()
         };
         match self.options.model_error {
             ModelErrorAt::Never => ModelError::NONE,

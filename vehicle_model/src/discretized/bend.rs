@@ -1,13 +1,18 @@
-//! The curvature that a Runge-Kutta step meets.
+//! The curvature that a Runge-Kutta step meets, and what its change along a control step means for the Jacobians.
 //!
 //! Where straights and arcs join, the curvature jumps. A Runge-Kutta step across such a place weighs the
 //! curvatures of its four stages without a view of where in the step the jump lies: its heading error is off
 //! by up to a third of jump times step length, by another amount at each crossing. The mean curvature of the
 //! step, which its stages then share, turns the centre line by exactly as much as it turns.
 
+use super::{Discretized, Linearization};
 use crate::model::pose_rates;
 use crate::number::{Number, Real};
 use crate::road::Road;
+use crate::state::{NX, State};
+
+/// Least share `1 - kappa e_y` of a centre of curvature's distance at which the change of a bend is followed.
+const LEAST_SPACE: f64 = 0.1;
 
 /// Curvature at the stages of Runge-Kutta steps along a road.
 pub(crate) struct Bend<'a, R> {
@@ -37,6 +42,53 @@ impl<'a, R: Real> Bend<'a, R> {
     #[inline(always)]
     pub(crate) fn kappa(&self, s: R) -> R {
         self.mean.unwrap_or_else(|| s.map(|s| self.road.kappa(s)))
+    }
+}
+
+impl Discretized {
+    /// Adds to the Jacobians of a step from `x` what the change of the curvature along it makes of a car that is
+    /// elsewhere along s.
+    ///
+    /// [`Discretized::linearize`] holds the curvature at each point of the step: a car ahead by d would turn with the
+    /// same curvatures, though it leaves a bend earlier and has to turn less by kappa d. Where the rates of change
+    /// of the pose go from f_1 to f_2 at a place s, deviations are multiplied by the saltation matrix
+    /// `I + (f_2 - f_1) n' / (n' f_1)`, n being the direction of s (Leine and Nijmeijer, Dynamics and
+    /// Bifurcations of Non-Smooth Mechanical Systems, 2004, section 7.1). A change that is spread over the step is
+    /// taken to lie in its middle.
+    pub fn follow_bend(&self, x: &State, road: &impl Road, step: &mut Linearization) {
+        let ds = step.next[4] - x.s;
+        let (before, after) = (road.kappa(x.s), road.kappa(step.next[4]));
+        let change = after - before;
+        if change == 0.0 {
+            return;
+        }
+        let share = match road.jumps() {
+            true => ((after - road.mean_kappa(x.s, ds)) / change).clamp(0.0, 1.0),
+            false => 0.5,
+        };
+        let e_y = x.e_y + share * (step.next[5] - x.e_y);
+        let space = [1.0 - before * e_y, 1.0 - after * e_y];
+        if space[0].min(space[1]) < LEAST_SPACE {
+            return;
+        }
+        // s' after the change over s' before it.
+        let ratio = space[0] / space[1];
+        let mut jump = [0.0; NX];
+        jump[3] = before - after * ratio;
+        jump[4] = ratio - 1.0;
+        // A change of heading leads astray for the rest of the step.
+        jump[5] = jump[3] * step.next[0] * self.dt * (1.0 - share);
+        let by_input = step.b.row(4) * share;
+        let mut by_state = step.a.row(4) * share;
+        by_state[4] += 1.0 - share;
+        for (i, jump) in jump.into_iter().enumerate().skip(3) {
+            for j in 0..NX {
+                step.a[(i, j)] += jump * by_state[j];
+            }
+            for (j, by_input) in by_input.iter().enumerate() {
+                step.b[(i, j)] += jump * by_input;
+            }
+        }
     }
 }
 

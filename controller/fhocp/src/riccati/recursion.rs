@@ -42,7 +42,7 @@ pub(super) struct Model {
     b: Matrix6x2<f64>,
     a_transposed: Matrix6<f64>,
     b_transposed: Matrix2x6<f64>,
-    /// Whether velocities do not depend on the pose, and nothing but s itself on s.
+    /// Whether velocities do not depend on the pose.
     flat: bool,
 }
 
@@ -53,9 +53,7 @@ impl Model {
         self.b = model.b * (1.0 - lag);
         self.a_transposed = transpose(&model.a);
         self.b_transposed = transpose(&self.b);
-        let [.., by_e_psi, by_s, by_e_y] = &model.a.data.0;
-        let apart = [by_e_psi, by_s, by_e_y].iter().all(|column| column[..3] == [0.0; 3]);
-        self.flat = apart && by_s[3..] == [0.0, 1.0, 0.0];
+        self.flat = model.a.data.0[3..].iter().all(|column| column[..3] == [0.0; 3]);
     }
 
     /// A x + B u.
@@ -168,7 +166,7 @@ pub(super) fn factor(
 }
 
 /// A'P A - F H^-1 F', symmetric. `FLAT` skips the zeros of A: with V, L and Q for how velocities and pose
-/// depend on velocities and pose, A is `[V 0; L Q]` with a middle column of Q that is one of the identity.
+/// depend on velocities and pose, A is `[V 0; L Q]`.
 #[inline(always)]
 fn carried_back<const FLAT: bool>(
     model: &Model,
@@ -182,7 +180,6 @@ fn carried_back<const FLAT: bool>(
     for column in 0..6 {
         let below = combined::<6, 3>(&p[3..], &a[column][3..]);
         let pa = match column {
-            4 if FLAT => p[4],
             3.. if FLAT => below,
             _ => plus(&below, &combined::<6, 3>(&p[..3], &a[column][..3])),
         };
