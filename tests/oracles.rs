@@ -108,7 +108,7 @@ fn without_data_in_reach_the_nominal_model_stands_alone() {
                 continue;
             }
             let mut linear = f.linearize(&x, &u, track.road());
-            f.follow_bend(&x, &track.road(), &mut linear);
+            f.follow_bend(&x, &track.road(), 0.0, &mut linear);
             let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
             assert!(same_bits(&model.sum(), &Affine { a: linear.a, b: linear.b, c }), "{x:?}");
         }

@@ -38,16 +38,18 @@ pub(crate) fn nominal(
     u: &Input,
 ) -> Affine {
     let mut affine = Affine::default();
-    nominal_all(model, mode, track, &[(*x, *u)], |_, found| affine = found);
+    nominal_all(model, mode, track, &[(*x, *u)], |_| 0.0, |_, found| affine = found);
     affine
 }
 
-/// [`nominal`] at every point; `found` gets each point's index and model.
+/// [`nominal`] at every point, with how far along s the car may be from it \[m\]; `found` gets each point's index
+/// and model.
 pub(crate) fn nominal_all(
     model: &Discretized,
     mode: RegressionMode,
     track: &Track,
     points: &[(State, Input)],
+    far: impl Fn(usize) -> f64,
     mut found: impl FnMut(usize, Affine),
 ) {
     if mode == RegressionMode::Full {
@@ -59,7 +61,7 @@ pub(crate) fn nominal_all(
     let road = track.road();
     model.linearize_all(points, track.road(), |i, mut linear| {
         let (x, u) = &points[i];
-        model.follow_bend(x, &road, &mut linear);
+        model.follow_bend(x, &road, far(i), &mut linear);
         let c = linear.next - linear.a * x.to_vector() - linear.b * u.to_vector();
         found(i, Affine { a: linear.a, b: linear.b, c });
     });

@@ -204,7 +204,7 @@ impl Workspace {
             [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
         self.bound_speed(setup, memory);
-        let stages = &mut self.problem.model;
+        let models = &mut self.problem.model;
         let last = memory.last.filter(|_| setup.filter.is_some());
         let acting = memory.dataset.current.samples.last();
         self.measured =
@@ -212,13 +212,22 @@ impl Workspace {
         self.points.extend(self.measured.map(|(x, u, _)| (x, u)));
         let mode = setup.config.regression.mode;
         let (points, measured) = (&self.points, &mut self.measured);
-        learned_model::nominal_all(&setup.model, mode, &setup.track, points, |i, found| {
-            match (stages.get_mut(i), measured.as_mut()) {
+        // The next plan ends where the safe set is asked for.
+        let stages = memory.plan.u.len();
+        let end = memory.plan.x.last().map_or(0.0, |end| (memory.query_s - end.s).abs());
+        let far = |t: usize| if t < stages { end * t as f64 / stages as f64 } else { 0.0 };
+        learned_model::nominal_all(
+            &setup.model,
+            mode,
+            &setup.track,
+            points,
+            far,
+            |i, found| match (models.get_mut(i), measured.as_mut()) {
                 (Some(stage), _) => *stage = found,
                 (None, Some((_, _, model))) => *model = found,
                 (None, None) => {}
-            }
-        });
+            },
+        );
         self.points.truncate(memory.plan.u.len());
     }
 

@@ -73,7 +73,7 @@ fn a_linearised_step_follows_the_bend() {
             let x = State { v_x: 3.0, v_y: 0.02, omega_z: 0.8, e_psi: 0.05, s, e_y: 0.1 };
             let without = step.linearize(&x, &u, track.road());
             let mut found = without;
-            step.follow_bend(&x, &track.road(), &mut found);
+            step.follow_bend(&x, &track.road(), 0.0, &mut found);
             for j in [0, 1, 3, 4, 5] {
                 let shifted = |h: f64| {
                     let mut x = x.to_vector();

@@ -305,7 +305,7 @@ impl Race {
             let learned = self.controller.learned_model(x, u).sum().a;
             let road = self.options.track.road();
             let mut exact = plant.linearize(x, u, self.options.track.road());
-            plant.follow_bend(x, &road, &mut exact);
+            plant.follow_bend(x, &road, 0.0, &mut exact);
             (learned - exact.a).norm()
         };
         match self.options.model_error {

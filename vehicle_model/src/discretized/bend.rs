@@ -11,6 +11,8 @@ use crate::number::{Number, Real};
 use crate::road::Road;
 use crate::state::{NX, State};
 
+/// Change of heading beyond which little of it is followed \[rad\].
+const STRAY: f64 = 0.5;
 /// Least share `1 - kappa e_y` of a centre of curvature's distance at which the change of a bend is followed.
 const LEAST_SPACE: f64 = 0.1;
 
@@ -55,7 +57,10 @@ impl Discretized {
     /// `I + (f_2 - f_1) n' / (n' f_1)`, n being the direction of s (Leine and Nijmeijer, Dynamics and
     /// Bifurcations of Non-Smooth Mechanical Systems, 2004, section 7.1). A change that is spread over the step is
     /// taken to lie in its middle.
-    pub fn follow_bend(&self, x: &State, road: &impl Road, step: &mut Linearization) {
+    ///
+    /// A car that may be `far` \[m\] from `x` along s can be past the next bend, and the matrix then says too much: the
+    /// greater the change of heading kappa far, the less of it is added.
+    pub fn follow_bend(&self, x: &State, road: &impl Road, far: f64, step: &mut Linearization) {
         let ds = step.next[4] - x.s;
         let (before, after) = (road.kappa(x.s), road.kappa(step.next[4]));
         let change = after - before;
@@ -73,9 +78,11 @@ impl Discretized {
         }
         // s' after the change over s' before it.
         let ratio = space[0] / space[1];
+        let stray = change * far / STRAY;
+        let part = 1.0 / (1.0 + stray * stray);
         let mut jump = [0.0; NX];
-        jump[3] = before - after * ratio;
-        jump[4] = ratio - 1.0;
+        jump[3] = part * (before - after * ratio);
+        jump[4] = part * (ratio - 1.0);
         // A change of heading leads astray for the rest of the step.
         jump[5] = jump[3] * step.next[0] * self.dt * (1.0 - share);
         let by_input = step.b.row(4) * share;
