@@ -316,8 +316,7 @@ impl Controller {
         let misses = (&misses[..], laps.len());
         let chosen = self.memory.selected.iter().map(|&i| &*laps[i]);
         let grip = self.memory.grip;
-        let learned = laps.iter().filter(|lap| lap.result.kind == LapKind::Learning).count();
-        let envelope = Envelope::new(&config.envelope, car, grip, track, chosen, misses, learned);
+        let envelope = Envelope::new(&config.envelope, car, grip, track, chosen, misses);
         self.memory.derived.envelope = Arc::new(envelope);
         self.make_road_speed();
     }

@@ -5,13 +5,11 @@
 //! `u = |omega_z v_x| / (mu (g + downforce / m))`:
 //!
 //! ```text
-//! v_0(s) = max_laps v(s) clamp(sqrt(share / u(s)), 1 + least min(1, SETTLED / n), 1 + most)
+//! v_0(s) = max_laps v(s) clamp(sqrt(share / u(s)), 1 + least, 1 + most)
 //! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
 //! ```
 //!
-//! with n the learned laps, and nowhere less than the fastest lap was: what was driven can be driven again.
-//! Where the grip is used up, a lap is the faster one only if nothing goes wrong; steps that shrink with
-//! the number of laps settle there.
+//! and nowhere less than the fastest lap was: what was driven can be driven again.
 //!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
@@ -30,8 +28,6 @@ const SLOWER: f64 = 0.05;
 const TRUST: f64 = 0.01;
 /// Laps after which a near miss is forgotten.
 pub(crate) const REMEMBERED: usize = 8;
-/// Learned laps after which the least growth shrinks.
-const SETTLED: f64 = 8.0;
 
 /// Greatest speed along the track.
 #[derive(Debug, Clone, Default)]
@@ -82,8 +78,7 @@ impl NearMiss {
 }
 
 impl Envelope {
-    /// The envelope of `laps`, after `learned` learned laps in all; without laps, or switched off, there is no
-    /// bound.
+    /// The envelope of `laps`; without laps, or switched off, there is no bound.
     pub(crate) fn new<'a>(
         config: &EnvelopeConfig,
         car: &CarParams,
@@ -91,18 +86,15 @@ impl Envelope {
         track: &Track,
         laps: impl Iterator<Item = &'a Lap>,
         misses: (&[NearMiss], usize),
-        learned: usize,
     ) -> Self {
         if !config.active {
             return Self::default();
         }
-        let least = config.growth_least * (SETTLED / learned.max(1) as f64).min(1.0);
-        let config = EnvelopeConfig { growth_least: least, ..config.clone() };
         let (points, ds) = grid(car, track);
         let mut envelope = Self { ds, speed: vec![0.0; points], driven: vec![0.0; points] };
         let tyres = Grip::new(car, grip);
         for lap in laps {
-            envelope.add(&config, &tyres, track, lap);
+            envelope.add(config, &tyres, track, lap);
         }
         if envelope.speed.iter().all(|v| *v == 0.0) {
             envelope.speed.clear();

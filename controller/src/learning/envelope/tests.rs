@@ -1,4 +1,4 @@
-//! What a near miss takes from the speed before it, and what laps add to it.
+//! What a near miss takes from the speed before it.
 
 use vehicle_model::{CarParams, Input, Segment, State, Track};
 
@@ -20,14 +20,10 @@ fn ring() -> Track {
 
 /// A lap at 40 m/s that brakes with `a` \[m/s^2\] to 10 m/s and then stays as slow.
 fn lap(a: f64) -> Lap {
-    driven(|s| {
+    let speed = |s: f64| {
         let squared = FAST * FAST - 2.0 * a * (s - BRAKING_FROM).max(0.0);
         squared.max(SLOW * SLOW).sqrt()
-    })
-}
-
-/// A lap with these speeds.
-fn driven(speed: impl Fn(f64) -> f64) -> Lap {
+    };
     let sample = |i: u32| {
         let s = f64::from(i);
         let v_x = speed(s);
@@ -41,14 +37,9 @@ fn driven(speed: impl Fn(f64) -> f64) -> Lap {
 }
 
 fn envelope(lap: &Lap, misses: &[NearMiss]) -> Envelope {
-    after(lap, misses, 1)
-}
-
-/// After so many learned laps.
-fn after(lap: &Lap, misses: &[NearMiss], learned: usize) -> Envelope {
     let car = CarParams::builtin("iac").unwrap();
     let config = Config::default().envelope;
-    Envelope::new(&config, &car, [1.0; 2], &ring(), std::iter::once(lap), (misses, 1), learned)
+    Envelope::new(&config, &car, [1.0; 2], &ring(), std::iter::once(lap), (misses, 1))
 }
 
 /// Where a lap braked harder than the envelope's own brakes do, a slower end takes the same kinetic
@@ -88,25 +79,4 @@ fn before_a_near_miss_the_car_brakes_as_hard_as_it_can() {
         let lost = here * here - after * after;
         assert!((lost - expected).abs() < 0.02 * expected, "{lost} not {expected}");
     }
-}
-
-/// Twice the laps after the eighth, half the step; a place with grip to spare is not held back.
-#[test]
-fn growth_at_the_limit_of_grip_shrinks_with_the_number_of_laps() {
-    let car = CarParams::builtin("iac").unwrap();
-    let grip = Grip::new(&car, [1.0; 2]);
-    let radius = 1000.0 / std::f64::consts::PI;
-    // Beyond the speed at which the bend takes all grip, found by bisection.
-    let (mut low, mut high): (f64, f64) = (10.0, 200.0);
-    for _ in 0..60 {
-        let v = 0.5 * (low + high);
-        if v * v / radius < grip.lateral(v) { low = v } else { high = v }
-    }
-    let step = |v: f64, learned: usize| after(&driven(|_| v), &[], learned).at(1000.5) / v - 1.0;
-    let at_limit = 1.01 * low;
-    let first = step(at_limit, 1);
-    assert!(first > 0.0);
-    assert!((step(at_limit, 8) - first).abs() < 1e-12);
-    assert!((step(at_limit, 16) - 0.5 * first).abs() < 1e-12);
-    assert!((step(0.5 * low, 16) - step(0.5 * low, 1)).abs() < 1e-12);
 }
