@@ -89,3 +89,23 @@ fn a_linearised_step_follows_the_bend() {
     }
     assert!(apart < 0.12 && frozen > 0.9, "{apart}, without the bend {frozen}");
 }
+
+/// What a jump adds to the Jacobians fades as the car may be farther away, and is gone where it can be past the
+/// next bend.
+#[test]
+fn a_bend_is_followed_as_far_as_the_plan_stays_near_it() {
+    let model = Model::new(ModelKind::Dynamic, CarParams::builtin("barc").unwrap());
+    let step = Discretized { model, dt: 0.1, substeps: 10 };
+    let track = Track::builtin("l").unwrap();
+    let s = track.curvature_jumps()[0] - 0.15;
+    let (x, u) = (State { v_x: 3.0, s, ..State::default() }, Input::default());
+    let frozen = step.linearize(&x, &u, track.road());
+    let added = |far: f64| {
+        let mut found = frozen;
+        step.follow_bend(&x, &track.road(), far, &mut found);
+        (found.a - frozen.a).amax()
+    };
+    let parts: Vec<f64> = [0.0, 0.1, 1.0, 100.0].into_iter().map(added).collect();
+    assert!(parts.windows(2).all(|pair| pair[0] > pair[1]), "{parts:?}");
+    assert!(parts[1] > 0.9 * parts[0] && parts[3] < 1e-3 * parts[0], "{parts:?}");
+}
