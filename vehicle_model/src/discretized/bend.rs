@@ -5,11 +5,13 @@
 //! by up to a third of jump times step length, by another amount at each crossing. The mean curvature of the
 //! step, which its stages then share, turns the centre line by exactly as much as it turns.
 
+use nalgebra::Vector6;
+
 use super::{Discretized, Linearization};
 use crate::model::pose_rates;
 use crate::number::{Number, Real};
 use crate::road::Road;
-use crate::state::{NX, State};
+use crate::state::State;
 
 /// Change of heading beyond which little of it is followed \[rad\].
 const STRAY: f64 = 0.5;
@@ -80,22 +82,15 @@ impl Discretized {
         let ratio = space[0] / space[1];
         let stray = change * far / STRAY;
         let part = 1.0 / (1.0 + stray * stray);
-        let mut jump = [0.0; NX];
-        jump[3] = part * (before - after * ratio);
-        jump[4] = part * (ratio - 1.0);
+        let turned = part * (before - after * ratio);
         // A change of heading leads astray for the rest of the step.
-        jump[5] = jump[3] * step.next[0] * self.dt * (1.0 - share);
-        let by_input = step.b.row(4) * share;
+        let astray = turned * step.next[0] * self.dt * (1.0 - share);
+        let jump = Vector6::new(0.0, 0.0, 0.0, turned, part * (ratio - 1.0), astray);
         let mut by_state = step.a.row(4) * share;
         by_state[4] += 1.0 - share;
-        for (i, jump) in jump.into_iter().enumerate().skip(3) {
-            for j in 0..NX {
-                step.a[(i, j)] += jump * by_state[j];
-            }
-            for (j, by_input) in by_input.iter().enumerate() {
-                step.b[(i, j)] += jump * by_input;
-            }
-        }
+        let by_input = step.b.row(4) * share;
+        step.a += jump * by_state;
+        step.b += jump * by_input;
     }
 }
 
