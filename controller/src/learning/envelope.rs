@@ -105,7 +105,7 @@ impl Envelope {
         let braking = Braking { car, track, brake: config.brake_share * car.hardest_braking(), ds };
         let driven = &envelope.driven;
         backward(&mut envelope.speed, |i, here, after| {
-            here.min(braking.reaching(i, after)).max(driven[i])
+            here.min(braking.reaching(i, after, driven)).max(driven[i])
         });
         envelope.slow_down(&braking, misses);
         envelope
@@ -186,10 +186,7 @@ impl Envelope {
             }
         }
         let driven = &self.driven;
-        backward(&mut allowed, |i, here, after| {
-            let lost = driven[i] * driven[i] - driven[(i + 1) % n] * driven[(i + 1) % n];
-            here.min(braking.reaching(i, after).max((after * after + lost.max(0.0)).sqrt()))
-        });
+        backward(&mut allowed, |i, here, after| here.min(braking.reaching(i, after, driven)));
         for (speed, most) in self.speed.iter_mut().zip(&allowed) {
             *speed = speed.min(*most);
         }
@@ -207,13 +204,16 @@ struct Braking<'a> {
 }
 
 impl Braking<'_> {
-    /// Greatest speed at grid point i from which brakes and drag reach `after` at the next \[m/s\].
-    fn reaching(&self, i: usize, after: f64) -> f64 {
+    /// Greatest speed at grid point i from which `after` is reached at the next \[m/s\]: by brakes and
+    /// drag, or by what the driven speeds fall there, to which the tyres add in a bend.
+    fn reaching(&self, i: usize, after: f64, driven: &[f64]) -> f64 {
         let brake = deceleration(self.track, i as f64 * self.ds, self.brake);
         let car = self.car;
         let drag =
             0.5 * car.rho * car.cd * car.area * after * after / car.mass + car.linear_drag * after;
-        (after * after + 2.0 * self.ds * (brake + drag).max(0.0)).sqrt()
+        let next = driven[(i + 1) % driven.len()];
+        let fell = driven[i] * driven[i] - next * next;
+        (after * after + fell.max(2.0 * self.ds * (brake + drag)).max(0.0)).sqrt()
     }
 }
 
