@@ -11,15 +11,16 @@ use vehicle_model::{CarParams, GRAVITY, RoadPoint, Track, Tyre};
 use crate::config::Config;
 use crate::presets::Preset;
 
-/// Share of the tyres' peak slip at which the slip guards stand.
-const PEAK_SHARE: f64 = 0.85;
-/// Slip guard of tyres whose curve has no peak, and the greatest of any \[rad\].
+/// Share of the tyres' peak slip at which the slip guards stand, front and rear: a front axle at its
+/// peak runs wide, a rear axle beyond it spins the car.
+const PEAK_SHARE: [f64; 2] = [1.0, 0.85];
+/// Peak slip of tyres whose curve has no peak, and the greatest of any \[rad\].
 const GREATEST_SLIP: f64 = 0.8;
 /// Reserve beside the body as a share of its width.
 const RESERVE_WIDTH: f64 = 0.05;
 /// Reserve beside the body as an error of the way the car goes until a correction acts, as a share of the
-/// slip guards: tyres that slip farther before they lose grip let the car go farther astray.
-const RESERVE_SLIP: f64 = 0.15;
+/// peak slip: tyres that slip farther before they lose grip let the car go farther astray.
+const RESERVE_SLIP: f64 = 0.13;
 /// Least such error \[rad\].
 const RESERVE_HEADING: f64 = 0.03;
 /// Ridge weight where lag blurs the inputs: what few samples say of slopes is then noise.
@@ -137,8 +138,7 @@ impl Config {
 
         let limits = &mut self.limits;
         limits.lane_margin = 0.5 * car.width + reserve(car, lap, self.horizon.period);
-        limits.front_slip = slip_guard(&car.tyre_front);
-        limits.rear_slip = slip_guard(&car.tyre_rear);
+        [limits.front_slip, limits.rear_slip] = slip_guards(car);
 
         self.warm_up.noise_a *= acceleration;
         self.warm_up.noise_delta *= car.delta_max / 0.436;
@@ -148,14 +148,19 @@ impl Config {
 /// What is kept free beside the body \[m\]: a share of its width, and what an error of heading leads
 /// astray at top speed until most of a correction acts, one sampling period and twice the lag.
 fn reserve(car: &CarParams, lap: &PointMass, dt: f64) -> f64 {
-    let guard = slip_guard(&car.tyre_front).max(slip_guard(&car.tyre_rear));
-    let error = (RESERVE_SLIP * guard).max(RESERVE_HEADING);
+    let peak = peak_slip(&car.tyre_front).max(peak_slip(&car.tyre_rear));
+    let error = (RESERVE_SLIP * peak).max(RESERVE_HEADING);
     RESERVE_WIDTH * car.width + error * lap.top * (dt + 2.0 * car.actuator_lag)
 }
 
-/// A share of the peak slip.
-fn slip_guard(tyre: &Tyre) -> f64 {
-    (PEAK_SHARE * tyre.peak_slip()).min(GREATEST_SLIP)
+/// Slip guards, front and rear [rad].
+fn slip_guards(car: &CarParams) -> [f64; 2] {
+    [PEAK_SHARE[0] * peak_slip(&car.tyre_front), PEAK_SHARE[1] * peak_slip(&car.tyre_rear)]
+}
+
+/// Slip angle of the greatest lateral force, as far as a plan may use it [rad].
+fn peak_slip(tyre: &Tyre) -> f64 {
+    tyre.peak_slip().min(GREATEST_SLIP)
 }
 
 /// The fastest lap of the centre line by grip, drive and brakes alone: a point mass, whose bends

@@ -1,9 +1,9 @@
 //! The lane of a stage: where the centre of gravity must be for the body to keep its distance from the edges.
 
+use nalgebra::Matrix6;
 use vehicle_model::{Outline, State, Track};
 
 use crate::controller::Setup;
-use crate::memory::Memory;
 
 /// Standard deviations of the estimated place of the body that the lane is narrower on each side.
 const UNSURE: f64 = 2.0;
@@ -25,8 +25,8 @@ pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, unsure
 }
 
 /// Room beside the body that the estimate of the pose asks for \[m\].
-pub(crate) fn unsure(setup: &Setup, memory: &Memory) -> f64 {
-    let Some(p) = memory.estimate.covariance() else { return 0.0 };
+pub(crate) fn unsure(setup: &Setup, covariance: Option<&Matrix6<f64>>) -> f64 {
+    let Some(p) = covariance else { return 0.0 };
     let reach = 0.5 * setup.car.length;
     UNSURE * (p[(5, 5)] + reach * reach * p[(3, 3)]).max(0.0).sqrt()
 }

@@ -180,7 +180,8 @@ impl Workspace {
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         self.points.clear();
-        let unsure = lane::unsure(setup, memory);
+        let covariance = memory.estimate.covariance();
+        let unsure_place = lane::unsure(setup, covariance.as_ref());
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
@@ -198,9 +199,11 @@ impl Workspace {
             let share = 1.0 - setup.config.limits.slip_reserve * far;
             let rear_load = setup.config.limits.rear_load;
             let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
-            self.problem.front_share[t] = share;
+            let unsure = slip::unsure(covariance.as_ref(), &self.problem.front[t]);
+            let known = share - unsure / setup.config.limits.front_slip;
+            self.problem.front_share[t] = known.max(slip::LEAST_SHARE);
             self.problem.rear_share[t] = share * load;
-            let lane = lane::bounds(setup, self.outline.as_ref(), next, unsure);
+            let lane = lane::bounds(setup, self.outline.as_ref(), next, unsure_place);
             [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
         self.bound_speed(setup, memory);

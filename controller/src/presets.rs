@@ -107,11 +107,11 @@ impl Config {
             },
             nominal: NominalConfig { adapt_grip: true, ..paper.nominal },
             cost: CostConfig {
-                acceleration_rate: 1e-3,
+                acceleration_rate: 3e-4,
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
                 dissipation: 2.0,
-                slip: 200.0,
+                slip: 20.0,
                 ..paper.cost
             },
             envelope: EnvelopeConfig { active: true, ..paper.envelope },
@@ -120,7 +120,7 @@ impl Config {
             recovery: RecoveryConfig { active: true },
             limits: LimitsConfig {
                 body: true,
-                front_slip: 0.14,
+                front_slip: 0.165,
                 rear_slip: 0.14,
                 steering_reserve: 0.05,
                 brake_reserve: 0.05,

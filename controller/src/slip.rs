@@ -2,7 +2,7 @@
 //! guard a braking car has.
 
 use fhocp::SlipRow;
-use nalgebra::Vector3;
+use nalgebra::{Matrix6, Vector3};
 use vehicle_model::{CarParams, Input, SlipAngles, State};
 
 use crate::controller::Setup;
@@ -10,8 +10,11 @@ use crate::controller::Setup;
 /// Speed below which delay per speed is no longer the quotient [m/s].
 const SLOW: f64 = 0.5;
 
-/// Share of the rear guard that is left however hard the car brakes.
-const LEAST_SHARE: f64 = 0.3;
+/// Share of a guard that is left however hard the car brakes, and however noisy its velocities are.
+pub(crate) const LEAST_SHARE: f64 = 0.3;
+
+/// Standard deviations of the front slip angle that its guard keeps free.
+const UNSURE: f64 = 2.0;
 
 /// What slipping tyres cost: the curvature that the linearised v_x row lacks.
 ///
@@ -66,6 +69,17 @@ pub(crate) fn rear(car: &CarParams, x: &State) -> SlipRow {
     }
 }
 
+/// What the covariance of the estimate, or none while measurements are exact, asks for beside a slip
+/// guard \[rad\].
+///
+/// At its peak a tyre no longer answers the steering: a car that slips more than its plan believes runs wide.
+pub(crate) fn unsure(covariance: Option<&Matrix6<f64>>, row: &SlipRow) -> f64 {
+    let Some(p) = covariance else { return 0.0 };
+    let gradient = Vector3::from(row.velocity);
+    let variance = gradient.dot(&(p.fixed_view::<3, 3>(0, 0) * gradient));
+    UNSURE * variance.max(0.0).sqrt()
+}
+
 fn velocities(x: &State) -> Vector3<f64> {
     Vector3::new(x.v_x, x.v_y, x.omega_z)
 }
@@ -79,4 +93,42 @@ pub(crate) fn rear_share(car: &CarParams, v_x: f64, a: f64) -> f64 {
     let [_, rear] = car.loads_at(v_x);
     let moved = car.mass * (-a).max(0.0) * car.h_cg / car.wheelbase();
     (1.0 - moved / rear).max(LEAST_SHARE)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64;
+    use vehicle_model::normal::standard_normal;
+
+    use super::*;
+
+    /// Slip angles of states drawn with the covariance spread as far as it says.
+    #[test]
+    fn the_room_beside_a_guard_is_the_spread_of_the_slip() {
+        let car = CarParams::builtin("barc").unwrap();
+        let x = State { v_x: 3.0, v_y: -0.1, omega_z: 1.5, ..State::default() };
+        let u = Input { a: 0.0, delta: 0.15 };
+        let [common, own] = [0.02, 0.05];
+        let mut p = Matrix6::from_diagonal_element(own * own);
+        p.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(common * common);
+        let row = front(&car, &x, &u);
+        assert_eq!(unsure(None, &row), 0.0);
+
+        let mut rng = Pcg64::seed_from_u64(1);
+        let mut draw = || -> f64 { standard_normal(&mut rng) };
+        let n = 20_000;
+        let slips: Vec<f64> = (0..n)
+            .map(|_| {
+                let shared = common * draw();
+                let [v_x, v_y, omega_z] =
+                    [x.v_x, x.v_y, x.omega_z].map(|v| v + shared + own * draw());
+                SlipAngles::new(&State { v_x, v_y, omega_z, ..x }, &u, &car).front
+            })
+            .collect();
+        let mean = slips.iter().sum::<f64>() / n as f64;
+        let variance = slips.iter().map(|slip| (slip - mean).powi(2)).sum::<f64>() / n as f64;
+        let room = unsure(Some(&p), &row);
+        assert!((room / (UNSURE * variance.sqrt()) - 1.0).abs() < 0.03, "{room} {variance}");
+    }
 }

@@ -9,6 +9,9 @@
 //! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
 //! ```
 //!
+//! where the driven speed falls faster than that, as in bends, whose tyres slow the car down too, by what
+//! it falls;
+//!
 //! and nowhere less than the fastest lap was: what was driven can be driven again.
 //!
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.

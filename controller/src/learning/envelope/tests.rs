@@ -63,6 +63,21 @@ fn before_a_near_miss_the_car_brakes_as_a_driven_lap_did() {
     assert_eq!(held.at(end + 200.0), free.at(end + 200.0));
 }
 
+/// A lap that lost speed faster than brakes and drag take it, as in a bend, raises the speed before a
+/// place that may now be faster just as much.
+#[test]
+fn before_a_faster_bend_the_car_brakes_as_a_driven_lap_did() {
+    let a = 18.0;
+    let end = BRAKING_FROM + (FAST * FAST - SLOW * SLOW) / (2.0 * a);
+    let free = envelope(&lap(a), &[]);
+    let after = free.at(end + 10.0);
+    assert!(after > 1.3 * SLOW, "{after}");
+    for s in [end - 25.0, end - 20.0, end - 15.0] {
+        let expected = (after * after + 2.0 * a * (end - s)).sqrt();
+        assert!((free.at(s) - expected).abs() < 0.02 * expected, "{} not {expected}", free.at(s));
+    }
+}
+
 /// A lap that braked gently leaves it to the brakes of the car and its drag.
 #[test]
 fn before_a_near_miss_the_car_brakes_as_hard_as_it_can() {
