@@ -30,6 +30,8 @@ const LAGGING_RIDGE: f64 = 30.0;
 const LAGGING_SECANT: f64 = 0.3;
 /// Least growth of the speed from lap to lap where corrections come late.
 const LAGGING_GROWTH: f64 = 0.02;
+/// Factor of the weight of slip beyond its guards where corrections come late.
+const LAGGING_SLIP: f64 = 10.0;
 /// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
 /// blurred inputs for grip.
 const LAG_SHARE: f64 = 0.5;
@@ -109,6 +111,7 @@ impl Config {
             self.regression.ridge = LAGGING_RIDGE;
             self.nominal.secant = LAGGING_SECANT;
             self.envelope.growth_least = LAGGING_GROWTH;
+            self.cost.slip *= LAGGING_SLIP;
         }
         let metric = &mut self.regression.metric;
         let squares = [speed, speed, speed / length, acceleration, 1.0];

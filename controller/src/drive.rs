@@ -22,9 +22,6 @@ const RUN_UP: f64 = 0.7;
 /// Share of the way of the driven laps in one period below which the end of a plan stays where it is.
 const STILL: f64 = 0.25;
 
-/// Steps in a row with such an end after which the car is taken to wait.
-const PATIENCE: u32 = 3;
-
 impl Controller {
     /// Drives from a believed state.
     pub(crate) fn drive(
@@ -149,22 +146,20 @@ impl Controller {
         status.rear_slip_slack = greatest(&slacks.rear);
         status.speed_slack = greatest(&slacks.speed);
         let input = self.memory.plan.u[0];
-        if self.waits() {
+        if self.waits(x) {
             // Planned anew from the car's own speed, the end lies where the car can get.
             self.memory.drop_plan();
         }
         input
     }
 
-    /// Whether the plan's end has ceased to move on.
+    /// Whether a car far slower than it has been here has a plan whose end does not move on.
     ///
     /// A terminal state that the car cannot reach in the time of the horizon, but could later, makes it wait:
     /// a step lost costs no more at the horizon's end than now. The plan's end then stays in one place, and
     /// the car stops short of it.
-    fn waits(&mut self) -> bool {
-        let memory = &mut self.memory;
-        memory.still = if self.work.progress() < STILL { memory.still + 1 } else { 0 };
-        memory.still >= PATIENCE
+    fn waits(&self, x: &State) -> bool {
+        x.v_x < FAR_SLOWER * self.former_speed(x.s) && self.work.progress() < STILL
     }
 
     /// No solution: the shifted plan while it is young, then tracking, then braking.

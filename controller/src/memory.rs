@@ -62,8 +62,6 @@ pub(crate) struct Memory {
     pub(crate) shifted: bool,
     /// Steps since the plan was optimal.
     pub(crate) plan_age: u32,
-    /// Steps in a row in which the plan's end did not move on.
-    pub(crate) still: u32,
     /// Where the terminal state is expected in the coming step.
     pub(crate) query_s: f64,
     /// Input that continues the plan.
@@ -129,7 +127,6 @@ impl Memory {
             plan: Plan::default(),
             shifted: false,
             plan_age: 0,
-            still: 0,
             query_s: 0.0,
             plan_tail: Input::default(),
             selected: Vec::with_capacity(config.safe_set.laps + 1),
@@ -178,6 +175,5 @@ impl Memory {
     pub(crate) fn drop_plan(&mut self) {
         self.plan.clear();
         self.plan_age = 0;
-        self.still = 0;
     }
 }
