@@ -200,7 +200,7 @@ impl Workspace {
             let rear_load = setup.config.limits.rear_load;
             let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
             let unsure = slip::unsure(covariance.as_ref(), &self.problem.front[t]);
-            let known = share - unsure / setup.config.limits.front_slip;
+            let known = share - unsure / self.problem.front_max;
             self.problem.front_share[t] = known.max(slip::LEAST_SHARE);
             self.problem.rear_share[t] = share * load;
             let lane = lane::bounds(setup, self.outline.as_ref(), next, unsure_place);
