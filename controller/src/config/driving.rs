@@ -39,7 +39,7 @@ section! {
         from car_and_track "that of the preset in the car's scales of length and time";
     /// Linear weight of the slip-guard slacks.
     slip "slip": f64, symbol "", unit "1/rad", range (0.0, 1e9),
-        from car_and_track "that of the preset in the car's scale of time";
+        from car_and_track "that of the preset in the car's scale of time, ten times as much where the actuators lag";
     /// Linear weight of the speed-cap slack.
     speed "speed": f64, symbol "", unit "s/m", range (0.0, 1e9),
         from car_and_track "that of the preset in the car's scales of speed and time";
