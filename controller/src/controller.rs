@@ -110,6 +110,10 @@ impl Controller {
         let sample = self.memory.dataset.current.samples.last();
         let acted = measurement.applied.or(sample.map(|sample| sample.u));
         let observed = observer.observe(&mut self.memory, measurement);
+        let memory = &mut self.memory;
+        let told = memory.recovery.is_none() && !memory.estimate.filters();
+        let now = observed.as_ref().ok().filter(|now| told && now.reason == Reason::None);
+        memory.prediction_error.compare(now.map(|now| &now.state));
         if let (Some(last), Ok(now)) = (last, &observed)
             && now.reason == Reason::None
             && self.memory.recovery.is_none()

@@ -108,7 +108,7 @@ impl Controller {
 
     /// The FHOCP's first input; if there is none, the shifted plan, then tracking, then braking.
     fn learned(&mut self, x: &State, status: &mut Status, probe: &mut impl Probe) -> Input {
-        let x_0 = self.predict(x);
+        let (x_0, next) = self.predict(x);
         if self.memory.plan.is_empty() {
             self.first_plan(&x_0);
             self.work.prepare(&self.setup, &self.memory, probe);
@@ -146,6 +146,7 @@ impl Controller {
         status.rear_slip_slack = greatest(&slacks.rear);
         status.speed_slack = greatest(&slacks.speed);
         let input = self.memory.plan.u[0];
+        self.memory.prediction_error.expect(&next.unwrap_or(self.memory.plan.x[1]));
         if self.waits(x) {
             // Planned anew from the car's own speed, the end lies where the car can get.
             self.memory.drop_plan();
@@ -242,15 +243,17 @@ impl Controller {
         command
     }
 
-    /// The state at which the coming command will act: through the queued inputs.
-    fn predict(&mut self, x: &State) -> State {
-        let mut x = *x;
+    /// The state at which the coming command will act, through the queued inputs, and that after the
+    /// first of them.
+    fn predict(&mut self, x: &State) -> (State, Option<State>) {
+        let (mut x, mut next) = (*x, None);
         for u in &self.memory.queue {
             let data = &self.memory.derived.regression;
             let model = Workspace::model_at(&self.setup, data, &x, u, &mut self.work.scratch);
             x = State::from_vector(&model.sum().apply(&x.to_vector(), &u.to_vector()));
+            next.get_or_insert(x);
         }
-        x
+        (x, next)
     }
 
     /// A trajectory to linearise about where no plan exists: tracking at the present speed or, as bends

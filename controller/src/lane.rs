@@ -5,18 +5,21 @@ use vehicle_model::{Outline, State, Track};
 
 use crate::controller::Setup;
 
-/// Standard deviations of the estimated place of the body that the lane is narrower on each side.
-const UNSURE: f64 = 2.0;
-/// Most that it is narrower, as a share of the track's width.
+/// What the first learned lap keeps free more than later ones, in reserves beside the body: it meets
+/// speeds and edges that no lap has tried.
+const UNTRIED: f64 = 2.0;
+/// What of that is left with each learned lap.
+const LEFT: f64 = 0.6;
+/// Most that the lane is narrower on each side, as a share of the track's width.
 const NARROWED: f64 = 0.1;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
 const ACROSS: f64 = 0.5;
 
-/// Least and greatest e_y of a planned state; `unsure` is what the estimate of the pose asks for \[m\].
-pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, unsure: f64) -> [f64; 2] {
+/// Least and greatest e_y of a planned state that keeps `more` free beside the lane margin \[m\].
+pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, more: f64) -> [f64; 2] {
     let (left, right) = (setup.track.width_left(x.s), setup.track.width_right(x.s));
-    let margin = setup.config.limits.lane_margin + unsure.min(NARROWED * (left + right));
+    let margin = setup.config.limits.lane_margin + more.min(NARROWED * (left + right));
     let [left, right] = match outline {
         Some(outline) => room(outline, &setup.track, x),
         None => [left, right],
@@ -24,11 +27,21 @@ pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, unsure
     [margin - right, left - margin]
 }
 
-/// Room beside the body that the estimate of the pose asks for \[m\].
-pub(crate) fn unsure(setup: &Setup, covariance: Option<&Matrix6<f64>>) -> f64 {
-    let Some(p) = covariance else { return 0.0 };
+/// Room beside the body for the spread of its place under this covariance of the state \[m\].
+pub(crate) fn unsure(setup: &Setup, covariance: &Matrix6<f64>) -> f64 {
     let reach = 0.5 * setup.car.length;
-    UNSURE * (p[(5, 5)] + reach * reach * p[(3, 3)]).max(0.0).sqrt()
+    let variance = covariance[(5, 5)] + reach * reach * covariance[(3, 3)];
+    setup.config.limits.uncertainty * variance.max(0.0).sqrt()
+}
+
+/// Room beside the body that the first laps keep after so many learned ones \[m\].
+pub(crate) fn untried(setup: &Setup, laps: u32) -> f64 {
+    let limits = &setup.config.limits;
+    if limits.uncertainty == 0.0 {
+        return 0.0;
+    }
+    let reserve = (limits.lane_margin - 0.5 * setup.car.width).max(0.0);
+    UNTRIED * reserve * libm::pow(LEFT, f64::from(laps))
 }
 
 /// Room on either side of the centre line for the centre of gravity of a car that stands along it, which

@@ -64,6 +64,7 @@ mod memory;
 mod observe;
 mod optimize;
 mod plan;
+mod prediction_error;
 mod presets;
 mod recovery;
 mod road;

@@ -18,6 +18,7 @@ use crate::lap_number::LapNumber;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::grip_sums::GripSums;
 use crate::plan::Plan;
+use crate::prediction_error::PredictionError;
 use crate::recovery::Recovery;
 use crate::road::Road;
 use crate::status::LapKind;
@@ -44,6 +45,8 @@ pub(crate) struct Memory {
     pub(crate) last: Option<Last>,
     /// What the filter knows.
     pub(crate) estimate: Estimate,
+    /// How far the car was from where its plans expected it.
+    pub(crate) prediction_error: PredictionError,
     /// Measurements in a row that were refused as jumps.
     pub(crate) suspects: u32,
     /// Delay and lag of the actuators, as the initial laps show them.
@@ -118,6 +121,7 @@ impl Memory {
             learned_laps: 0,
             last: None,
             estimate: Estimate::default(),
+            prediction_error: PredictionError::default(),
             suspects: 0,
             actuation: Estimation::default(),
             drift: Drift::default(),

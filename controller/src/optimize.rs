@@ -180,8 +180,10 @@ impl Workspace {
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         self.points.clear();
-        let covariance = memory.estimate.covariance();
-        let unsure_place = lane::unsure(setup, covariance.as_ref());
+        let (dt, v_x) = (setup.config.horizon.period, memory.plan.x[0].v_x);
+        let ahead = || memory.prediction_error.covariance(v_x, dt);
+        let covariance = memory.estimate.covariance().unwrap_or_else(ahead);
+        let room = lane::unsure(setup, &covariance) + lane::untried(setup, memory.learned_laps);
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
@@ -199,11 +201,14 @@ impl Workspace {
             let share = 1.0 - setup.config.limits.slip_reserve * far;
             let rear_load = setup.config.limits.rear_load;
             let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
-            let unsure = slip::unsure(covariance.as_ref(), &self.problem.front[t]);
-            let known = share - unsure / self.problem.front_max;
-            self.problem.front_share[t] = known.max(slip::LEAST_SHARE);
-            self.problem.rear_share[t] = share * load;
-            let lane = lane::bounds(setup, self.outline.as_ref(), next, unsure_place);
+            let sigmas = setup.config.limits.uncertainty;
+            let known = |share: f64, row, max: f64| {
+                (share - sigmas * slip::deviation(&covariance, row) / max).max(slip::LEAST_SHARE)
+            };
+            let problem = &mut self.problem;
+            problem.front_share[t] = known(share, &problem.front[t], problem.front_max);
+            problem.rear_share[t] = known(share * load, &problem.rear[t], problem.rear_max);
+            let lane = lane::bounds(setup, self.outline.as_ref(), next, room);
             [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
         self.bound_speed(setup, memory);

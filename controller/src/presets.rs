@@ -73,6 +73,7 @@ impl Config {
                 brake_reserve: 0.0,
                 slip_reserve: 0.0,
                 rear_load: false,
+                uncertainty: 0.0,
                 speed_cap: 0.0,
             },
             warm_up: WarmUpConfig { laps: 4, speed: 1.2, noise_a: 0.1, noise_delta: 0.02, seed: 0 },
@@ -126,6 +127,7 @@ impl Config {
                 brake_reserve: 0.05,
                 slip_reserve: 0.12,
                 rear_load: true,
+                uncertainty: 2.0,
                 ..paper.limits
             },
             ..paper

@@ -13,9 +13,6 @@ const SLOW: f64 = 0.5;
 /// Share of a guard that is left however hard the car brakes, and however noisy its velocities are.
 pub(crate) const LEAST_SHARE: f64 = 0.3;
 
-/// Standard deviations of the front slip angle that its guard keeps free.
-const UNSURE: f64 = 2.0;
-
 /// What slipping tyres cost: the curvature that the linearised v_x row lacks.
 ///
 /// A tyre takes F_y alpha / m of the acceleration along the path (the power F_y v alpha lost in
@@ -69,15 +66,14 @@ pub(crate) fn rear(car: &CarParams, x: &State) -> SlipRow {
     }
 }
 
-/// What the covariance of the estimate, or none while measurements are exact, asks for beside a slip
-/// guard \[rad\].
+/// Standard deviation of a slip angle of states with this covariance \[rad\].
 ///
-/// At its peak a tyre no longer answers the steering: a car that slips more than its plan believes runs wide.
-pub(crate) fn unsure(covariance: Option<&Matrix6<f64>>, row: &SlipRow) -> f64 {
-    let Some(p) = covariance else { return 0.0 };
+/// At its peak a tyre no longer answers the steering: a car that slips more than its plan believes runs
+/// wide, and one whose rear axle does so spins.
+pub(crate) fn deviation(covariance: &Matrix6<f64>, row: &SlipRow) -> f64 {
     let gradient = Vector3::from(row.velocity);
-    let variance = gradient.dot(&(p.fixed_view::<3, 3>(0, 0) * gradient));
-    UNSURE * variance.max(0.0).sqrt()
+    let variance = gradient.dot(&(covariance.fixed_view::<3, 3>(0, 0) * gradient));
+    variance.max(0.0).sqrt()
 }
 
 fn velocities(x: &State) -> Vector3<f64> {
@@ -105,7 +101,7 @@ mod tests {
 
     /// Slip angles of states drawn with the covariance spread as far as it says.
     #[test]
-    fn the_room_beside_a_guard_is_the_spread_of_the_slip() {
+    fn the_deviation_is_the_spread_of_the_slip() {
         let car = CarParams::builtin("barc").unwrap();
         let x = State { v_x: 3.0, v_y: -0.1, omega_z: 1.5, ..State::default() };
         let u = Input { a: 0.0, delta: 0.15 };
@@ -113,7 +109,6 @@ mod tests {
         let mut p = Matrix6::from_diagonal_element(own * own);
         p.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(common * common);
         let row = front(&car, &x, &u);
-        assert_eq!(unsure(None, &row), 0.0);
 
         let mut rng = Pcg64::seed_from_u64(1);
         let mut draw = || -> f64 { standard_normal(&mut rng) };
@@ -128,7 +123,7 @@ mod tests {
             .collect();
         let mean = slips.iter().sum::<f64>() / n as f64;
         let variance = slips.iter().map(|slip| (slip - mean).powi(2)).sum::<f64>() / n as f64;
-        let room = unsure(Some(&p), &row);
-        assert!((room / (UNSURE * variance.sqrt()) - 1.0).abs() < 0.03, "{room} {variance}");
+        let sigma = deviation(&p, &row);
+        assert!((sigma / variance.sqrt() - 1.0).abs() < 0.03, "{sigma} {variance}");
     }
 }

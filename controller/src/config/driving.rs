@@ -85,6 +85,10 @@ section! {
     slip_reserve "slip_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
     /// Whether a braking car has only that share of the rear guard that is left of the rear load.
     rear_load "rear_load": bool, symbol "", unit "", range (), from preset;
+    /// Standard deviations that lane and slip guards keep free: of the estimated state where measurements
+    /// are noisy, else of the error of predictions over one period. Unless it is 0, the first learned laps
+    /// keep more free beside the body.
+    uncertainty "uncertainty": f64, symbol "", unit "", range (0.0, 10.0), from preset;
     /// Speed cap; 0 switches it off.
     speed_cap "speed_cap_mps": f64, symbol "", unit "m/s", range (0.0, 1000.0), from preset;
 }
