@@ -4,10 +4,11 @@
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
+use command::lmpc;
 use common::{MULTICAST, Program, URL, isolated};
 use lcm_types::eventlog::Writer;
 use lcm_types::{
@@ -21,6 +22,8 @@ use transport::{Filter, Inbox};
 use vehicle_model::plant::SensorNoise;
 use vehicle_model::{CarParams, GlobalState, Input, Plant, PlantParams, State, Track};
 
+#[path = "common/command.rs"]
+mod command;
 mod common;
 
 const PERIOD: f64 = 0.1;
@@ -173,10 +176,6 @@ fn write_commands(path: &Path, rows: &[Row]) {
         write!(out, "{time},{},{},{},", place.0, place.1, place.2).unwrap();
         writeln!(out, "{},{},{},{},{}", speeds.0, speeds.1, speeds.2, u.a, u.delta).unwrap();
     }
-}
-
-fn lmpc(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
 }
 
 /// Learns from a file, races on from it, and returns account and the learned laps' times \[s\].
