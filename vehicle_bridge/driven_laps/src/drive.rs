@@ -1,7 +1,7 @@
 //! From a recording to the steps a controller learns from.
 
 use controller::learning::inverse::{self, Period};
-use controller::{Config, DrivenStep};
+use controller::{Config, DrivenStep, Pose};
 use vehicle_model::track::wrap_angle;
 use vehicle_model::{
     CarParams, Discretized, GlobalState, Input, Model, ModelKind, Outline, State, Track,
@@ -10,7 +10,7 @@ use vehicle_model::{
 use super::inputs::Held;
 use super::signal::{Signal, unwrapped};
 use super::smooth::MIN_SAMPLES;
-use super::{InputSource, Place, Recorded, Recording};
+use super::{InputSource, Recorded, Recording};
 
 /// A gap is longer than this many intervals of the recording, and than this many periods.
 const GAP_INTERVALS: f64 = 4.5;
@@ -125,9 +125,9 @@ fn median_interval(states: &[Recorded]) -> f64 {
 }
 
 fn pose(state: &Recorded, track: &Track) -> GlobalState {
-    match state.place {
-        Place::Global(pose) => pose,
-        Place::Frenet(x) => track.to_global(&x),
+    match state.pose {
+        Pose::Global(pose) => pose,
+        Pose::Frenet(x) => track.to_global(&x),
     }
 }
 
