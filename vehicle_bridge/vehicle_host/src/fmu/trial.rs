@@ -6,10 +6,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+pub use actuators::Response;
+
 use vehicle_model::track::wrap_angle;
 use vehicle_model::{CarParams, Input};
 
-pub use super::signals::Response;
 use super::signals::{
     Sample, course, derivative, median, period, response, speed_at_end, speed_read, speeds, stride,
     way,
