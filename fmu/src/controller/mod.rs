@@ -69,15 +69,10 @@ fn description() -> &'static (Description, Slots) {
             model_name: "LMPC controller",
             model_identifier: "lmpc_controller",
             description: "Learning model predictive controller for racing, with error dynamics regression",
-            version: env!("CARGO_PKG_VERSION"),
-            stop_time: 60.0,
-            step_size: 0.1,
-            table,
             terminals: Terminal::pair("To the car's actuators", "From the car's sensors"),
-            resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/controller.html"),
             icon: include_bytes!("../../doc/controller.png"),
-            token: OnceLock::new(),
+            ..Description::shipped(table)
         };
         (description, slots)
     })

@@ -48,15 +48,10 @@ fn description() -> &'static (Description, Slots) {
             model_name: "LMPC vehicle",
             model_identifier: "lmpc_vehicle",
             description: "Single-track race car with tyre model, actuators and noisy sensors",
-            version: env!("CARGO_PKG_VERSION"),
-            stop_time: 60.0,
-            step_size: 0.1,
-            table,
             terminals: Terminal::pair("What the controller commands", "What the sensors measure"),
-            resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/vehicle.html"),
             icon: include_bytes!("../../doc/vehicle.png"),
-            token: OnceLock::new(),
+            ..Description::shipped(table)
         };
         (description, slots)
     })
