@@ -25,11 +25,12 @@ pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Known>) -> String {
     chart.series.push(Series::new("warm-up", "soft", Mark::DotLine, points(|l| !l.is_learning())));
     chart.series.push(Series::new("learning", "s0", Mark::DotLine, points(LapRow::is_learning)));
     chart.series.push(Series::new("best so far", "best dashed", Mark::Line, so_far));
-    if let Some(optimal) = optimal {
-        let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
-        chart.references.push(Reference { y: optimal.lap_time_s, label });
-    }
+    chart.references.extend(optimal.map(time_optimal));
     chart.html()
+}
+
+fn time_optimal(lap: &Known) -> Reference {
+    Reference { y: lap.lap_time_s, label: format!("time-optimal {:.3} s", lap.lap_time_s) }
 }
 
 /// Learned laps only: what the warm-up laps' scale hides.
@@ -43,10 +44,7 @@ pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Known>) -> Opt
         let points =
             learned.iter().map(|l| (f64::from(l.result.lap.get()), l.result.lap_time)).collect();
         chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
-        if let Some(optimal) = optimal {
-            let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
-            chart.references.push(Reference { y: optimal.lap_time_s, label });
-        }
+        chart.references.extend(optimal.map(time_optimal));
         chart.html()
     })
 }
