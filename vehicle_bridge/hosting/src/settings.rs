@@ -212,8 +212,12 @@ mod tests {
             let preset = setting.key.value(&Config::default()).to_string();
             match (setting.key.dotted().as_str(), setting.origin) {
                 ("limits.rear_slip_rad", origin) => assert_eq!(origin, Origin::CommandLine),
-                ("limits.front_slip_rad", origin) => assert!(matches!(origin, Origin::Car(_))),
-                ("warm_up.speed_mps", origin) => assert!(matches!(origin, Origin::CarAndTrack(_))),
+                ("limits.front_slip_rad", origin) => {
+                    assert!(matches!(origin, Origin::Car(_)))
+                }
+                ("warm_up.speed_mps", origin) => {
+                    assert!(matches!(origin, Origin::CarAndTrack(_)))
+                }
                 (name, Origin::Preset(_)) => {
                     assert_eq!(setting.value.to_string(), preset, "{name}")
                 }

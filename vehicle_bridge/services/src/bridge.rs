@@ -65,7 +65,7 @@ pub struct Bridge {
     /// Input of the last tick.
     pub(super) held: Input,
     pub(super) source: InputSource,
-    pub(super) bridged: Bridged,
+    pub(super) summary: Bridged,
 }
 
 impl Bridge {
@@ -106,7 +106,7 @@ impl Bridge {
             watchdog: None,
             held: Input::default(),
             source: InputSource::None,
-            bridged: Bridged::default(),
+            summary: Bridged::default(),
             rules,
             side,
             host,
@@ -300,7 +300,7 @@ impl Bridge {
         let c = self.safety.counts();
         let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
         let (reason, missed, unsent) =
-            (self.safety.stop_reason(), self.bridged.missed, self.unsent);
+            (self.safety.stop_reason(), self.summary.missed, self.unsent);
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());

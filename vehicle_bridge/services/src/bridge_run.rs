@@ -54,17 +54,17 @@ impl Bridge {
             // The core's memory changes only with a whole event: it is sound after a panic.
             let beat = AssertUnwindSafe(|| self.beat(&mut clock, &mut *on_change));
             if catch_unwind(beat).is_err() {
-                self.bridged.panics += 1;
+                self.summary.panics += 1;
                 shutdown.request();
-                if self.bridged.panics >= PANICS {
+                if self.summary.panics >= PANICS {
                     break;
                 }
             }
         }
         self.unsent += u64::from(self.side.finish().is_err());
-        self.bridged.commands = self.safety.counts();
-        self.bridged.moving = !self.safety.stands(&self.rules, transport::now().mono);
-        self.bridged
+        self.summary.commands = self.safety.counts();
+        self.summary.moving = !self.safety.stands(&self.rules, transport::now().mono);
+        self.summary
     }
 
     /// Whether the bridge may end: it is asked to, and the car stands or has had time enough.
@@ -107,9 +107,9 @@ impl Bridge {
         let late = Instant::now().saturating_duration_since(clock.due);
         let missed = u32::try_from(late.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX - 1);
         clock.due += tick * missed;
-        self.bridged.ticks += 1;
-        self.bridged.missed += u64::from(missed);
-        self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
+        self.summary.ticks += 1;
+        self.summary.missed += u64::from(missed);
+        self.summary.latest = self.summary.latest.max(late.as_secs_f64());
         self.act(clock.due - clock.acted);
         clock.acted = clock.due;
         let state = self.safety.bridge_state();

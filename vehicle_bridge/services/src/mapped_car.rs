@@ -59,7 +59,7 @@ pub struct MappedCar {
     source: i8,
     applied: Input,
     bytes: Vec<u8>,
-    bridged: Bridged,
+    summary: Bridged,
 }
 
 impl MappedCar {
@@ -87,7 +87,7 @@ impl MappedCar {
             source: ActuationReport::default().source,
             applied: Input::default(),
             bytes: Vec::new(),
-            bridged: Bridged::default(),
+            summary: Bridged::default(),
             mapping,
             inbox,
             car,
@@ -110,9 +110,9 @@ impl MappedCar {
             Ok(run) => run.and(stopped)?,
             Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
         }
-        self.bridged.commands = self.filter.counts;
-        self.bridged.source = self.mapping.counts();
-        Ok(self.bridged)
+        self.summary.commands = self.filter.counts;
+        self.summary.source = self.mapping.counts();
+        Ok(self.summary)
     }
 
     fn obey_until(&mut self, stop: &AtomicBool) -> Result<()> {
@@ -154,7 +154,7 @@ impl MappedCar {
             self.moves = state.vx.hypot(state.vy) >= STILL;
             state.h = self.states.header();
             self.states.send_sealed(&state)?;
-            self.bridged.states += 1;
+            self.summary.states += 1;
         }
         Ok(())
     }
@@ -194,16 +194,16 @@ impl MappedCar {
             let planned = age > 1.25 * f64::from(command.plan_dt);
             self.source = if input.is_none() { 3 } else { 1 + i8::from(planned) };
         }
-        self.bridged.stops += u64::from(running && input.is_none());
+        self.summary.stops += u64::from(running && input.is_none());
         let input = input.map(|u| Input {
             a: u.a.clamp(self.car.a_min, self.car.a_max),
             delta: u.delta.clamp(-self.car.delta_max, self.car.delta_max),
         });
         let answers_ns = self.command.as_ref().map(|(command, _)| command.state_mono_ns);
-        let drive = Drive { input, answers_ns, utime: transport::now().utime };
-        self.mapping.command(&drive, &mut self.bytes)?;
+        let request = Drive { input, answers_ns, utime: transport::now().utime };
+        self.mapping.command(&request, &mut self.bytes)?;
         self.network.publish(self.mapping.command_channel(), &self.bytes)?;
-        self.bridged.sent += 1;
+        self.summary.sent += 1;
         self.applied = input.unwrap_or(Input { a: self.car.a_min, ..self.applied });
         self.publish_report()
     }

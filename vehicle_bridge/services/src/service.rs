@@ -118,7 +118,7 @@ impl Service {
             (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
         let name = if options.dry_run { channels::COMMAND_DRY } else { channels::COMMAND };
         let track = telemetry::track_message(controller.track());
-        let place = Place { track, setup: options.setup.clone() };
+        let driven = Place { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         let seen = LapSeen::new(controller.car(), key);
         Ok(Self {
@@ -130,7 +130,7 @@ impl Service {
             laps: publisher(channels::LAP),
             acks: publisher(channels::OPERATOR_ACK),
             grant,
-            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(place))?,
+            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(driven))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
             seen,

@@ -183,8 +183,8 @@ impl SteppedSide {
 
 impl MappedSide {
     fn tell(&mut self, input: Option<Input>) -> Result<()> {
-        let drive = Drive { input, answers_ns: self.measured_ns, utime: transport::now().utime };
-        self.mapping.command(&drive, &mut self.bytes)?;
+        let request = Drive { input, answers_ns: self.measured_ns, utime: transport::now().utime };
+        self.mapping.command(&request, &mut self.bytes)?;
         Ok(self.network.publish(self.mapping.command_channel(), &self.bytes)?)
     }
 }

@@ -109,7 +109,9 @@ fn describe(key: &Key, origin: &Origin) -> String {
         (None, _) => Ok(()),
     };
     let _ = match origin {
-        Origin::Car(rule) | Origin::CarAndTrack(rule) => write!(text, " From {origin}: {rule}."),
+        Origin::Car(rule) | Origin::CarAndTrack(rule) => {
+            write!(text, " From {origin}: {rule}.")
+        }
         _ => write!(text, " From {origin}."),
     };
     text
