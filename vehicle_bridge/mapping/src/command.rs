@@ -12,7 +12,7 @@ use super::unit::Quantity;
 
 /// What the car is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct CarRequest {
     /// Input to apply; `None` sends the safe stop.
     pub input: Option<Input>,
     /// `meas_mono_ns` of the state this answers, if any. \[ns\]
@@ -133,7 +133,7 @@ impl Mapping {
     /// # Errors
     /// If the command cannot be encoded; nothing that [`Mapping::new`] let through is known to do
     /// so.
-    pub fn command(&mut self, request: &Drive, out: &mut Vec<u8>) -> Result<(), Error> {
+    pub fn command(&mut self, request: &CarRequest, out: &mut Vec<u8>) -> Result<(), Error> {
         let answered = request.answers_ns.and_then(|ns| self.their_time(ns));
         let map = &mut self.command;
         for field in &mut map.fields {

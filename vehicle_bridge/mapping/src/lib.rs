@@ -14,10 +14,10 @@ mod state;
 mod tests;
 mod unit;
 
-pub use command::Drive;
+pub use command::CarRequest;
 pub use file::MapFile;
 pub use resolve::Problem;
-pub use state::Counts;
+pub use state::CarMessageCounts;
 pub use unit::{Quantity, factor};
 
 use lcm_types::schema::Schema;

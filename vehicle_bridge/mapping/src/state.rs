@@ -16,7 +16,7 @@ const LEAP_NS: i64 = 1_000_000_000;
 
 /// What became of the car's messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct CarMessageCounts {
     /// States made. \[-\]
     pub states: u64,
     /// Messages that could not be decoded, or held what is no number. \[-\]
@@ -27,7 +27,7 @@ pub struct Counts {
     pub incomplete: u64,
 }
 
-impl fmt::Display for Counts {
+impl fmt::Display for CarMessageCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { states, bad, old, incomplete } = self;
         write!(f, "car: {states} states, {bad} bad, {old} old, {incomplete} incomplete")
@@ -71,7 +71,7 @@ pub(super) struct StateMap {
     frame: FrameEntry,
     /// Our monotonic clock when the source's is 0, and its last time. \[ns\]
     clock: Option<(i64, i64)>,
-    counts: Counts,
+    counts: CarMessageCounts,
 }
 
 // Places in `StateMap::numbers`.
@@ -144,7 +144,7 @@ impl StateMap {
             reference: file.reference,
             frame: file.frame,
             clock: None,
-            counts: Counts::default(),
+            counts: CarMessageCounts::default(),
         })
     }
 
@@ -327,7 +327,7 @@ impl Mapping {
 
     /// What became of the messages so far.
     #[must_use]
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> CarMessageCounts {
         self.state.counts
     }
 

@@ -180,7 +180,7 @@ fn an_input_becomes_their_command_and_stops_when_there_is_none() {
     let state = mapping.take("POSE", &bytes, at(5)).unwrap();
     let mut bytes = Vec::new();
     let mut say = |input: Option<Input>| {
-        let request = Drive { input, answers_ns: Some(state.meas_mono_ns), utime: 1 };
+        let request = CarRequest { input, answers_ns: Some(state.meas_mono_ns), utime: 1 };
         mapping.command(&request, &mut bytes).unwrap();
         let Value::Struct(values) = schema().decode("their.cmd_t", &bytes).unwrap() else {
             panic!("a struct");

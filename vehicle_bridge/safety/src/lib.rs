@@ -29,4 +29,4 @@ pub use order::{Denied, Order, OrderKind};
 pub use rules::{Rules, Setup};
 pub use step::{Safety, step};
 pub use stop_reason::StopReason;
-pub use types::{Answer, BridgeState, Counts, Event, InputSource, Output};
+pub use types::{Answer, BridgeState, CommandCounts, Event, InputSource, Output};

@@ -12,7 +12,7 @@ use super::rate::Rate;
 use super::rules::Rules;
 use super::stop;
 use super::stop_reason::StopReason;
-use super::types::{Answer, BridgeState, Counts, Event, InputSource, Output};
+use super::types::{Answer, BridgeState, CommandCounts, Event, InputSource, Output};
 
 /// The car's state as last heard.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +51,7 @@ pub struct Safety {
     pub(super) sent: Option<MonoTime>,
     pub(super) rate: Rate,
     pub(super) stop_reason: StopReason,
-    pub(super) counts: Counts,
+    pub(super) counts: CommandCounts,
 }
 
 /// One event at `now`.
@@ -137,7 +137,7 @@ impl Safety {
 
     /// Counts so far.
     #[must_use]
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> CommandCounts {
         self.counts
     }
 

@@ -122,7 +122,7 @@ pub struct Output {
 
 /// Commands so far, by what became of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct CommandCounts {
     /// Believed. \[-\]
     pub ok: i64,
     /// Refused by number or sender, and heartbeats of another controller than the armed one. \[-\]

@@ -59,7 +59,7 @@ pub(super) struct Account {
     /// Before the network.
     pub(super) seal: Option<Seal>,
     /// A real car's messages.
-    pub(super) car: Option<mapping::Counts>,
+    pub(super) car: Option<mapping::CarMessageCounts>,
     /// Last refusal.
     pub(super) refused: Option<Refused>,
 }
@@ -137,7 +137,7 @@ mod tests {
             applied: Some(Limited { asked: Input::default(), sent: Input::default(), bits: 4 }),
             missed: 1,
             unsent: 2,
-            car: Some(mapping::Counts::default()),
+            car: Some(mapping::CarMessageCounts::default()),
             doubt: Finding::default(),
             creeps: true,
             neighbours: Some("another bridge".into()),

@@ -18,7 +18,7 @@ use super::watchdog::Watchdog;
 use auth::Seal;
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher, random};
-use protocol::stream_filter::Counts;
+use protocol::stream_filter::StreamCounts;
 use safety::{Answer, Event, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode};
 use transport::record::Log;
 use transport::{Filter, Inbox, Received, Transport};
@@ -28,7 +28,7 @@ pub(super) const WAITING: usize = 1024;
 
 /// How the bridge ran.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Bridged {
+pub struct BridgeSummary {
     /// Ticks. \[-\]
     pub ticks: u64,
     /// Ticks that never came, because the bridge was late. \[-\]
@@ -36,7 +36,7 @@ pub struct Bridged {
     /// Latest begin of a tick. \[s\]
     pub latest: f64,
     /// Commands.
-    pub commands: safety::Counts,
+    pub commands: safety::CommandCounts,
     /// Panics of the loop; each stops the car. \[-\]
     pub panics: u32,
     /// The car still moved when the bridge ended.
@@ -65,7 +65,7 @@ pub struct Bridge {
     /// Input of the last tick.
     pub(super) held: Input,
     pub(super) source: InputSource,
-    pub(super) summary: Bridged,
+    pub(super) summary: BridgeSummary,
 }
 
 impl Bridge {
@@ -106,7 +106,7 @@ impl Bridge {
             watchdog: None,
             held: Input::default(),
             source: InputSource::None,
-            summary: Bridged::default(),
+            summary: BridgeSummary::default(),
             rules,
             side,
             host,
@@ -298,7 +298,8 @@ impl Bridge {
         let sent = self.reports.send_sealed(&report);
         self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
-        let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
+        let counts =
+            StreamCounts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
         let (reason, missed, unsent) =
             (self.safety.stop_reason(), self.summary.missed, self.unsent);
         let car = self.side.counts();

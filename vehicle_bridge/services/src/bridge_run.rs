@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use lcm_types::channels;
 
-use super::bridge::{Bridge, Bridged, WAITING};
+use super::bridge::{Bridge, BridgeSummary, WAITING};
 use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
 use safety::{BridgeState, Event, InputSource, StopReason};
@@ -47,7 +47,7 @@ impl Bridge {
         &mut self,
         shutdown: &Shutdown,
         on_change: &mut dyn FnMut(BridgeState, StopReason),
-    ) -> Bridged {
+    ) -> BridgeSummary {
         let mut clock = Clock::new(self.safety.bridge_state());
         self.watchdog.iter().for_each(Watchdog::ready);
         while !shutdown.is_urgent() && !self.is_over(shutdown, &mut clock) {

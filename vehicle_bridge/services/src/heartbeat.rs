@@ -10,7 +10,7 @@ use lcm_types::{ArmToken, Heartbeat, Setup, Track, channels};
 use hosting::memory::resident_mb;
 use hosting::worker::Worker;
 use protocol::publisher::{Identity, Publisher};
-use protocol::stream_filter::Counts;
+use protocol::stream_filter::StreamCounts;
 use transport::Transport;
 
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -23,7 +23,7 @@ pub struct Health<D = String> {
     /// One of the states of [`Heartbeat`].
     pub state: i8,
     /// Messages received and refused.
-    pub counts: Counts,
+    pub counts: StreamCounts,
     /// The grant in force, if any.
     pub arm_token: ArmToken,
     /// Text for people; formatted when it is sent.
@@ -32,7 +32,7 @@ pub struct Health<D = String> {
 
 /// Where and with what a controller drives.
 #[derive(Debug, Clone, Default)]
-pub struct Place {
+pub struct TrackAndSetup {
     /// The track, for `MAP/TRACK`.
     pub track: Track,
     /// The setup, for `LMPC/SETUP`.
@@ -54,7 +54,7 @@ impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
         network: &Arc<dyn Transport>,
         identity: &Identity,
         name: &str,
-        driven: Option<Place>,
+        driven: Option<TrackAndSetup>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health<D>>> = Arc::default();
         let publisher =
@@ -77,7 +77,7 @@ impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
 
 fn beat<D: Display + Clone>(
     mut publisher: Publisher,
-    mut driven: Option<(Publisher, Publisher, Place)>,
+    mut driven: Option<(Publisher, Publisher, TrackAndSetup)>,
     health: &Mutex<Health<D>>,
     stop: &AtomicBool,
 ) {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
 use lcm_types::{ActuationCommand, ArmToken, BootId, Checked as _, Header, MonoTime, SeqNumber};
-use protocol::convert::{Answered, CommandDraft};
+use protocol::convert::{AnsweredState, CommandDraft};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use safety::{Answer, BridgeState, Event, OrderKind, Rules, Safety, decode, step};
@@ -176,7 +176,11 @@ fn drive(seed: u64) -> Seen {
             wanted = Some(command.input);
             let input = capped(command.input, last, x.v_x, cap, &controller);
             let order = CommandDraft {
-                answered: Answered { boot_id: BRIDGE, seq: SeqNumber::new(at_ms), measured: at },
+                answered: AnsweredState {
+                    boot_id: BRIDGE,
+                    seq: SeqNumber::new(at_ms),
+                    measured: at,
+                },
                 mode: ActuationCommand::MODE_DRIVE,
                 input,
                 plan: (input == command.input).then(|| controller.plan()),

@@ -27,10 +27,10 @@ use protocol::convert;
 use racing::RaceOptions;
 use racing::words::kind_word;
 use safety::Setup;
-use services::car::{Car, CarOptions, Drive};
+use services::car::{Car, CarOptions, DriveSummary};
 use services::mapped_car::MappedCar;
 use services::service::{Service, ServiceOptions};
-use services::store::Store;
+use services::store::LearnedDataStore;
 use services::{map_file, replay};
 use terminal::{Talk, WARN, paint, result};
 use transport::record;
@@ -54,7 +54,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     let mut controller = service_controller(options, args.seed, args.recover)?;
     let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));
     let store = match &args.learned {
-        Some(path) => Some(Store::open(path, &mut controller, warn)?),
+        Some(path) => Some(LearnedDataStore::open(path, &mut controller, warn)?),
         None => None,
     };
     if let Some(path) = &args.learned {
@@ -241,7 +241,7 @@ pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
     Ok(if found.is_identical() { Outcome::Done } else { Outcome::Problems })
 }
 
-fn account(drive: &Drive, talk: Talk) {
+fn account(drive: &DriveSummary, talk: Talk) {
     talk.say(&format!(
         "{} periods, {} off the track, {} by fallback plan, {} stopped, {} more than a period late \
          (latest by {:.1} ms)",

@@ -22,7 +22,7 @@ use safety::{BridgeState, Rules, StopReason};
 use services::blackbox::BlackBox;
 use services::bridge::Bridge;
 use services::map_file;
-use services::operator_client::{Answered, Held, Operator};
+use services::operator_client::{Held, Operator, OperatorAnswer};
 use services::side::CarSide;
 use services::watchdog::Watchdog;
 use terminal::{Talk, WARN, complain, paint, result};
@@ -214,7 +214,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
     })?;
     match end {
         Held::Refused(answers) | Held::Released(answers) => show(&answers),
-        Held::Ended(Answered { who, ack }) => {
+        Held::Ended(OperatorAnswer { who, ack }) => {
             complain(&format!(
                 "{who} ended the drive, it is in state {}",
                 BridgeState::name_of(ack.state)
@@ -225,7 +225,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// Prints answers.
-fn show(answers: &[Answered]) -> Result<Outcome> {
+fn show(answers: &[OperatorAnswer]) -> Result<Outcome> {
     let mut refused = false;
     for answer in answers {
         let state = BridgeState::name_of(answer.ack.state);

@@ -12,7 +12,7 @@ use super::{Outcome, folders};
 use command_line::OptimumArgs;
 use hosting::load;
 use hosting::settings::{Layers, Usage};
-use optimum_store::{Store, files};
+use optimum_store::{OptimumStore, files};
 use report::picture;
 use terminal::{BEST, SOFT, Talk, paint, result};
 
@@ -37,7 +37,7 @@ pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
     write("optimum.csv", files::trajectory(&track, &lap))?;
     write("raceline.csv", files::raceline(&car, &track, &lap))?;
     write("optimum.html", picture::page(&car, &track, margin, &lap))?;
-    let store = Store::of(&args.track, args.store.as_deref());
+    let store = OptimumStore::of(&args.track, args.store.as_deref());
     let kept = store.save(&car, &track, margin, &lap)?;
     talk.say(&format!("kept as {}", kept.display()));
     if args.json {

@@ -16,7 +16,7 @@ use super::{Outcome, setup, view_orders, view_source};
 use command_line::ViewArgs;
 use hosting::settings::Usage;
 use live_view::{Clock, Reference, Resolve, Server, ServerOptions, View, Wanted};
-use optimum_store::Store;
+use optimum_store::OptimumStore;
 use protocol::convert;
 use racing::RaceOptions;
 use terminal::{Talk, WARN, paint, result};
@@ -156,7 +156,7 @@ pub(super) fn subscribe(network: &Arc<dyn Transport>, audience: &Arc<Audience>) 
 /// The cars and tracks this computer knows: those of the command line, then those that ship, by the names
 /// the network has for them.
 fn resolve(args: &ViewArgs, options: &RaceOptions) -> Resolve {
-    let store = Store::of(&args.controller.track, args.store.as_deref());
+    let store = OptimumStore::of(&args.controller.track, args.store.as_deref());
     let (own_car, own_track) = (options.plant.car.clone(), Arc::clone(&options.track));
     let named_car = hosting::load::car(&args.controller.car).ok();
     let margin = options.config.limits.lane_margin;

@@ -8,7 +8,7 @@ use lcm_types::OperatorCommand;
 use live_view::{Order, Orders};
 use protocol::publisher::random;
 use safety::BridgeState;
-use services::operator_client::{Answered, Operator};
+use services::operator_client::{Operator, OperatorAnswer};
 use transport::Transport;
 
 /// Carries orders to a network. An emergency stop does not wait for another order's answer.
@@ -49,8 +49,8 @@ fn command(order: &Order) -> Result<OperatorCommand, String> {
 }
 
 /// Who answered what; an error if one of them refused.
-fn account(answers: &[Answered]) -> Result<String, String> {
-    let line = |answer: &Answered| {
+fn account(answers: &[OperatorAnswer]) -> Result<String, String> {
+    let line = |answer: &OperatorAnswer| {
         let state = BridgeState::name_of(answer.ack.state);
         match (answer.ack.accepted, &answer.ack.detail) {
             (true, _) => format!("{}: {state}", answer.who),

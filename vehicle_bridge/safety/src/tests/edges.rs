@@ -220,7 +220,10 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
         tell(still, at_ms);
         let (safety, answer) = tell(Event::Heartbeat(OTHER), at_ms);
         assert_eq!((safety.bridge_state(), answer), (BridgeState::Armed, refused));
-        assert_eq!(safety.counts(), Counts { old: n as i64 + 1, ..Counts::default() });
+        assert_eq!(
+            safety.counts(),
+            CommandCounts { old: n as i64 + 1, ..CommandCounts::default() }
+        );
     }
     // The armed controller's are missed as without it.
     let (safety, answer) = tell(Event::Heartbeat(OTHER), 1151);

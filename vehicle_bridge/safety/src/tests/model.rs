@@ -11,7 +11,7 @@ pub(super) struct Model {
     pub(super) bridge_state: BridgeState,
     pub(super) stop_reason: StopReason,
     pub(super) token: ArmToken,
-    pub(super) counts: Counts,
+    pub(super) counts: CommandCounts,
     /// The command in force.
     pub(super) command: Option<DecodedCommand>,
     /// Cap ordered. \[m/s\]
