@@ -18,7 +18,7 @@ const REPORTED_ITERATION: u32 = 20;
 
 /// One run to be done.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct StudyCase {
     /// Its cell.
     pub cell: Cell,
     /// Its seed.
@@ -28,7 +28,7 @@ pub struct Plan {
     options: RaceOptions,
 }
 
-impl Plan {
+impl StudyCase {
     /// Every run of a study, in the order of its tables.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ pub(super) fn fingerprint(options: &RaceOptions) -> String {
 ///
 /// # Errors
 /// If the settings do not fit together, or what computes the vehicle fails.
-pub fn run_one(case: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
+pub fn run_one(case: &StudyCase) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
     let mut race = Race::new(case.options.clone())?;
     race.run(|_| {})?;
     let learned: Vec<&LapRow> = race.laps.iter().filter(|lap| lap.is_learning()).collect();
@@ -134,7 +134,7 @@ pub fn run_one(case: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
     Ok((run, laps))
 }
 
-fn study_lap(case: &Plan, lap: &LapRow) -> StudyLap {
+fn study_lap(case: &StudyCase, lap: &LapRow) -> StudyLap {
     let finite = |value: f64| value.is_finite().then_some(value);
     StudyLap {
         regression: case.cell.regression.clone(),

@@ -7,7 +7,7 @@ use svg_page::scale::Kind;
 
 use super::groups::{Groups, MOST};
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME, Sample, is_share, samples};
-use super::table::{Table, places};
+use super::table::{RunTable, places};
 use super::words::{bare, label, wilson};
 use crate::campaign::{ranges_of, short};
 
@@ -96,7 +96,7 @@ impl Figure {
         Self { x: x.to_owned(), y: y.to_owned(), ..Self::default() }
     }
 
-    pub(super) fn draw(&self, table: &Table) -> Result<Drawing> {
+    pub(super) fn draw(&self, table: &RunTable) -> Result<Drawing> {
         let samples = samples(table, &self.x, &self.y)?;
         let places = Places::new(&samples);
         let [by, across, down] = [&self.by, &self.across, &self.down]
@@ -304,8 +304,8 @@ fn join(a: &Option<String>, a_name: &str, b: &Option<String>, b_name: &str) -> S
 mod tests {
     use super::*;
 
-    fn table(lines: &str) -> Table {
-        Table::parse(&format!("run,mu,mode,seed,failure,best_lap_s\n{lines}")).unwrap()
+    fn table(lines: &str) -> RunTable {
+        RunTable::parse(&format!("run,mu,mode,seed,failure,best_lap_s\n{lines}")).unwrap()
     }
 
     #[test]
