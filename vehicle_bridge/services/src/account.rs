@@ -7,7 +7,7 @@ use std::sync::Arc;
 use vehicle_model::Limited;
 
 use auth::Seal;
-use safety::{Finding, Reaction, Reject, StopReason};
+use safety::{DoubtFinding, Reaction, Reject, StopReason};
 use transport::record::Log;
 
 /// What was not taken, last.
@@ -47,7 +47,7 @@ pub(super) struct Account {
     /// Messages the network refused. \[-\]
     pub(super) unsent: u64,
     /// The worst doubt.
-    pub(super) doubt: Finding,
+    pub(super) doubt: DoubtFinding,
     /// The car moved on though the brake held it.
     pub(super) creeps: bool,
     /// Programs on the network that should not be there.
@@ -99,7 +99,7 @@ impl fmt::Display for Account {
             say(format_args!("{relay}"))?;
         }
         if self.doubt.reaction() >= Reaction::Report {
-            let Finding { what, level } = self.doubt;
+            let DoubtFinding { what, level } = self.doubt;
             say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
         }
         if self.creeps {
@@ -138,7 +138,7 @@ mod tests {
             missed: 1,
             unsent: 2,
             car: Some(mapping::CarMessageCounts::default()),
-            doubt: Finding::default(),
+            doubt: DoubtFinding::default(),
             creeps: true,
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::Heartbeat(Reject::Boot)),

@@ -19,7 +19,9 @@ use auth::Seal;
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher, random};
 use protocol::stream_filter::StreamCounts;
-use safety::{Answer, Event, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode};
+use safety::{
+    Answer, BridgeEvent, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode,
+};
 use transport::record::Log;
 use transport::{Filter, Inbox, Received, Transport};
 
@@ -156,7 +158,7 @@ impl Bridge {
 
     pub(super) fn fail(&mut self, why: &str) {
         self.refuse(Refused::Car(why.into()));
-        self.step(&Event::CarFailed);
+        self.step(&BridgeEvent::CarFailed);
     }
 
     fn refuse(&self, what: Refused) {
@@ -167,7 +169,7 @@ impl Bridge {
     pub(super) fn on_car_message(&mut self, received: &Received) {
         let Some(told) = self.side.hear(received) else { return };
         if told.is_new {
-            self.step(&Event::State(told.x, told.message.quality));
+            self.step(&BridgeEvent::State(told.x, told.message.quality));
         }
         self.publish_state(&VehicleState { h: self.states.header(), ..told.message });
     }
@@ -176,10 +178,10 @@ impl Bridge {
         // The network may be gone: the car is still there.
         let sent = self.states.send_sealed(state);
         self.unsent += u64::from(sent.is_err());
-        self.step(&Event::Published(state.h.number()));
+        self.step(&BridgeEvent::Published(state.h.number()));
     }
 
-    pub(super) fn step(&mut self, event: &Event<'_>) -> Output {
+    pub(super) fn step(&mut self, event: &BridgeEvent<'_>) -> Output {
         let now = transport::now().mono;
         let (next, output) = safety::step(&self.rules, &self.safety, event, now);
         self.safety = next;
@@ -189,7 +191,7 @@ impl Bridge {
     pub(super) fn on_command(&mut self, received: &Received) {
         let arrival = received.arrival.mono;
         let reject = match decode(&received.payload, arrival, &self.rules, &self.host) {
-            Ok(command) => match self.step(&Event::Command(&command)).answer {
+            Ok(command) => match self.step(&BridgeEvent::Command(&command)).answer {
                 Answer::Rejected(reject) => reject,
                 _ => return,
             },
@@ -207,7 +209,7 @@ impl Bridge {
                 if let Ok(m) = lcm_types::Setup::open(&received.payload) {
                     let lcm_types::Setup { track_id, car_id, config_id, period_ns, .. } = m;
                     let setup = Setup { track_id, car_id, config_id, period_ns };
-                    self.step(&Event::Setup(m.h.sender_start(), setup));
+                    self.step(&BridgeEvent::Setup(m.h.sender_start(), setup));
                 }
             }
             channels::STATE => {
@@ -222,7 +224,7 @@ impl Bridge {
                 }
                 self.neighbours.note(Role::Controller, &beat.h);
                 if let Answer::Rejected(reject) =
-                    self.step(&Event::Heartbeat(beat.h.sender_start())).answer
+                    self.step(&BridgeEvent::Heartbeat(beat.h.sender_start())).answer
                 {
                     self.refuse(Refused::Heartbeat(reject));
                 }
@@ -266,7 +268,12 @@ impl Bridge {
         };
         let (token, deadman) = (ArmToken::new(order.arm_token), order.deadman);
         let answer = self
-            .step(&Event::Order(Order { kind, token, deadman, fresh: ArmToken::new(random()) }))
+            .step(&BridgeEvent::Order(Order {
+                kind,
+                token,
+                deadman,
+                fresh: ArmToken::new(random()),
+            }))
             .answer;
         let detail = match answer {
             Answer::Denied(denied) => denied.to_string(),

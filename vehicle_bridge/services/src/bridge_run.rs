@@ -8,7 +8,7 @@ use lcm_types::channels;
 use super::bridge::{Bridge, BridgeSummary, WAITING};
 use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
-use safety::{BridgeState, Event, InputSource, StopReason};
+use safety::{BridgeEvent, BridgeState, InputSource, StopReason};
 
 /// Quality of a simulated car's states. \[-\]
 const GOOD: i8 = 2;
@@ -81,7 +81,7 @@ impl Bridge {
             self.watchdog.iter().for_each(Watchdog::ending);
         }
         let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
-        self.step(&Event::End);
+        self.step(&BridgeEvent::End);
         let now = transport::now().mono;
         if stops(self.safety.bridge_state()) && !self.safety.stands(&self.rules, now) {
             clock.stood = None;
@@ -183,15 +183,15 @@ impl Bridge {
         let measured = self.side.measure();
         let measured_at = transport::now().mono;
         if let Some(x) = measured {
-            self.step(&Event::State(x, GOOD));
+            self.step(&BridgeEvent::State(x, GOOD));
         }
-        let output = self.step(&Event::Tick);
+        let output = self.step(&BridgeEvent::Tick);
         (self.held, self.source) = (output.applied.sent, output.source);
         if let Err(error) = self.side.actuate(&output) {
             self.fail(&format!("the car cannot be commanded: {error}"));
         }
         self.publish_report(&output);
-        self.step(&Event::Sent);
+        self.step(&BridgeEvent::Sent);
         if let Some(x) = measured {
             let h = self.states.header();
             if let Some(state) = self.side.message(h, measured_at, &x, output.applied.sent) {
