@@ -66,7 +66,7 @@ fn schema() -> Schema {
     Schema::parse(&[("their.lcm", TYPES)]).unwrap()
 }
 
-fn mapping(state: &str) -> Result<Mapping, Vec<Problem>> {
+fn mapping(state: &str) -> Result<Mapping, Vec<MapProblem>> {
     let text = format!("{state}{COMMAND}");
     Mapping::new(&toml::from_str(&text).unwrap(), &text, schema())
 }
@@ -209,7 +209,7 @@ fn everything_wrong_is_named_with_its_line() {
         .replace("unit = \"km/h\"", "unit = \"kmh\"")
         .replace("max_age_ms = 50", "max_age_ms = -1")
         .replace("their.ins_t", "their.in_t");
-    let lines = |problems: Vec<Problem>| -> Vec<String> {
+    let lines = |problems: Vec<MapProblem>| -> Vec<String> {
         problems.iter().map(ToString::to_string).collect()
     };
     let found = lines(mapping(&broken).unwrap_err());

@@ -12,7 +12,7 @@ use vehicle_model::{CarParams, Track};
 use super::Outcome;
 use super::config::{DIGITS, row};
 use command_line::CheckArgs;
-use file_check::{Checked, Kind, check_file};
+use file_check::{CheckedFile, FileKind, check_file};
 use hosting::load;
 use hosting::settings::{Layers, Origin, Setting};
 use terminal::{BAD, GOOD, SOFT, paint, result};
@@ -24,7 +24,7 @@ const WIDTH: usize = 96;
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
-    checked: Checked,
+    checked: CheckedFile,
     /// Every setting of the controller; empty for files that set none.
     settings: Vec<Json>,
     /// Those settings as text.
@@ -66,10 +66,10 @@ fn report(path: &Path, args: &CheckArgs) -> Result<Report> {
     }
     let mut layers = Layers::default();
     let (name, car) = match (report.checked.kind, args.car.as_deref()) {
-        (Kind::Car, _) => {
+        (FileKind::Car, _) => {
             (path.display().to_string(), CarParams::from_toml(&fs::read_to_string(path)?)?)
         }
-        (Kind::Configuration, name) => {
+        (FileKind::Configuration, name) => {
             layers.file(path)?;
             let name = name.unwrap_or(racing::SMALL_CAR);
             (name.to_owned(), racing::nominal(name, load::car(name)?, None)?)
