@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::checksum;
-use crate::table::Table;
+use crate::table::VariableTable;
 use crate::xml;
 
 /// A group of variables to be connected as one plug (FMI 3.0 terminal).
@@ -66,7 +66,7 @@ pub struct Description {
     /// Proposed communication step \[s\].
     pub step_size: f64,
     /// The variables.
-    pub table: Table,
+    pub table: VariableTable,
     /// Groups to be connected as one.
     pub terminals: Vec<Terminal>,
     /// Files for `resources/`.
@@ -81,7 +81,7 @@ pub struct Description {
 
 impl Description {
     /// What both of our FMUs say, with these variables; names, terminals and documents are empty.
-    pub(crate) fn shipped(table: Table) -> Self {
+    pub(crate) fn shipped(table: VariableTable) -> Self {
         Self {
             model_name: "",
             model_identifier: "",
