@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use command::lmpc;
 use common::{MULTICAST, Program, URL, isolated};
-use lcm_types::eventlog::Writer;
+use lcm_types::eventlog::EventWriter;
 use lcm_types::{
     ActuationCommand, ActuationReport, Checked as _, Header, LapResult, Message as _, VehicleState,
     channels,
@@ -116,7 +116,7 @@ fn best(rows: &[Row]) -> f64 {
 
 /// As a bridge of the car would have had it logged.
 fn write_log(path: &Path, rows: &[Row]) {
-    let mut log = Writer::new(File::create(path).unwrap());
+    let mut log = EventWriter::new(File::create(path).unwrap());
     let mut bytes = Vec::new();
     for (seq, row) in rows.iter().enumerate() {
         let at =

@@ -12,7 +12,7 @@ use lcm_types::{
     VehicleState, channels,
 };
 use safety::{BridgeEvent, Order, OrderKind, Rules, Safety, decode, step};
-use transport::{Arrival, Error, Filter, Inbox, Message, Sink, Statistics, Transport};
+use transport::{Arrival, Error, Filter, Inbox, ReceivedMessage, Sink, Statistics, Transport};
 use vehicle_model::{CarParams, State, Track};
 
 const MS: i64 = 1_000_000;
@@ -38,7 +38,12 @@ impl Transport for Bus {
         drop(all);
         for sink in sinks {
             let arrival = Arrival::default();
-            sink.lock().unwrap().deliver(&Message { channel, payload, arrival, sender: None });
+            sink.lock().unwrap().deliver(&ReceivedMessage {
+                channel,
+                payload,
+                arrival,
+                sender: None,
+            });
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
 use controller::Pose;
-use lcm_types::eventlog::{Reader, SYNC};
+use lcm_types::eventlog::{EventReader, SYNC};
 use lcm_types::{ActuationCommand, ActuationReport, Checked as _, VehicleState, channels};
 use vehicle_model::{GlobalState, Input, State};
 
@@ -28,7 +28,7 @@ const SAME_PACE: f64 = 0.02;
 pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
-    let mut events = Reader::new(BufReader::new(file));
+    let mut events = EventReader::new(BufReader::new(file));
     let mut recording = Recording::default();
     let (mut clock, mut reports, mut commands) = (Clock::default(), Vec::new(), Vec::new());
     let mut seen: BTreeMap<String, u64> = BTreeMap::new();

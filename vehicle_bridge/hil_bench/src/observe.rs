@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use hosting::rule::Edges;
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::EventReader;
 use lcm_types::{
     ActuationReport, Checked as _, Frenet, Heartbeat, Message as _, OperatorAck, VehicleState,
     channels,
@@ -63,7 +63,7 @@ impl Heard {
     pub(super) fn of_log(log: &Path, until_ns: i64) -> Result<Self> {
         let file = File::open(log).with_context(|| format!("cannot read {}", log.display()))?;
         let mut heard = Self::default();
-        for event in Reader::new(BufReader::new(file)) {
+        for event in EventReader::new(BufReader::new(file)) {
             let event = event?;
             heard.add(&event.channel, &event.data);
         }

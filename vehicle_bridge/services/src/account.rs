@@ -8,7 +8,7 @@ use vehicle_model::Limited;
 
 use auth::Seal;
 use safety::{DoubtFinding, Reaction, Reject, StopReason};
-use transport::record::Log;
+use transport::record::NetworkLog;
 
 /// What was not taken, last.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ pub(super) struct Account {
     /// Programs on the network that should not be there.
     pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
-    pub(super) log: Option<Log>,
+    pub(super) log: Option<NetworkLog>,
     /// Why the relay gets no sign of life.
     pub(super) relay: Option<Arc<str>>,
     /// Before the network.
@@ -89,7 +89,7 @@ impl fmt::Display for Account {
         if self.unsent > 0 {
             say(format_args!("{} messages could not be sent", self.unsent))?;
         }
-        if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
+        if let Some(complaint) = self.log.as_ref().and_then(NetworkLog::complaint) {
             say(format_args!("{complaint}"))?;
         }
         if let Some(complaint) = self.seal.as_ref().and_then(Seal::complaint) {

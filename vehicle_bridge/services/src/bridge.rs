@@ -22,7 +22,7 @@ use protocol::stream_filter::StreamCounts;
 use safety::{
     Answer, BridgeEvent, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode,
 };
-use transport::record::Log;
+use transport::record::NetworkLog;
 use transport::{Filter, Inbox, Received, Transport};
 
 /// Messages of each kind that may wait. \[-\]
@@ -138,7 +138,7 @@ impl Bridge {
 
     /// Tells in every heartbeat what the log behind the network loses.
     #[must_use]
-    pub fn with_log(self, log: Option<Log>) -> Self {
+    pub fn with_log(self, log: Option<NetworkLog>) -> Self {
         self.heartbeat.update(|health| health.detail.log = log);
         self
     }

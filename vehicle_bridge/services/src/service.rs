@@ -24,7 +24,7 @@ use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher};
 use protocol::stream_filter::{Accepted, StreamFilter};
 use protocol::telemetry::{self, HostTelemetry, LapSeen};
-use transport::record::Log;
+use transport::record::NetworkLog;
 use transport::{Filter, Inbox, Received, Transport};
 
 /// A silence this long lets another sender of states in. \[s\]
@@ -48,7 +48,7 @@ pub struct ServiceOptions {
     /// What the bridge compares before it arms this controller.
     pub setup: lcm_types::Setup,
     /// The log behind the network; what it loses is in every heartbeat too.
-    pub log: Option<Log>,
+    pub log: Option<NetworkLog>,
     /// The key before the network; what it refused is in every heartbeat too.
     pub seal: Option<Seal>,
     /// For the bench: steps that take longer.
@@ -376,7 +376,7 @@ impl Service {
         }
         detail.extend(self.save_error.clone());
         detail.extend(self.grant.complaint());
-        detail.extend(self.options.log.as_ref().and_then(Log::complaint));
+        detail.extend(self.options.log.as_ref().and_then(NetworkLog::complaint));
         detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
         self.heartbeat.update(|health| {
             health.state = state;

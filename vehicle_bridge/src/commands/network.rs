@@ -34,7 +34,7 @@ use services::store::LearnedDataStore;
 use services::{map_file, replay};
 use terminal::{Talk, WARN, paint, result};
 use transport::record;
-use transport::record::Log;
+use transport::record::NetworkLog;
 use transport::{ThreadStart, Transport};
 use vehicle_host::Vehicle;
 
@@ -298,7 +298,7 @@ pub(super) fn connect(args: &NetworkArgs, fifo: bool) -> Result<Connected> {
 
 /// A log and the thread that reports at once when the disk stops taking messages, and takes them again.
 pub(super) struct Watched {
-    pub(super) log: Log,
+    pub(super) log: NetworkLog,
     _watch: Worker,
 }
 

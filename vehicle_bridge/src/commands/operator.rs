@@ -27,7 +27,7 @@ use services::side::CarSide;
 use services::watchdog::Watchdog;
 use terminal::{Talk, WARN, complain, paint, result};
 use transport::Transport;
-use transport::record::{self, Log};
+use transport::record::{self, NetworkLog};
 use vehicle_host::Vehicle;
 
 /// Runs the bridge until Ctrl-C.
@@ -101,7 +101,7 @@ fn black_box(
     network: Arc<dyn Transport>,
     args: &BridgeArgs,
     notes: &mut Vec<String>,
-) -> (Arc<dyn Transport>, Option<Log>) {
+) -> (Arc<dyn Transport>, Option<NetworkLog>) {
     if args.black_box.as_deref() == Some(Path::new("off")) {
         notes.push("no black box (--black-box off)".to_owned());
         return (network, None);

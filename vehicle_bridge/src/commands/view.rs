@@ -20,7 +20,7 @@ use optimum_store::OptimumStore;
 use protocol::convert;
 use racing::RaceOptions;
 use terminal::{Talk, WARN, paint, result};
-use transport::{Arrival, Filter, Message, Transport};
+use transport::{Arrival, Filter, ReceivedMessage, Transport};
 
 /// What is shown of a network that cannot hand out every channel.
 const CHANNELS: [&str; 13] = [
@@ -138,7 +138,7 @@ fn show(place: &str, audience: &Audience, talk: Talk) -> Result<()> {
 /// Shows every message of a network.
 pub(super) fn subscribe(network: &Arc<dyn Transport>, audience: &Arc<Audience>) -> Result<()> {
     let audience = Arc::clone(audience);
-    let take = move |message: &Message<'_>| {
+    let take = move |message: &ReceivedMessage<'_>| {
         audience.take(message.channel, message.payload, message.arrival);
     };
     match network.subscribe(Filter::All, Box::new(take.clone())) {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::EventReader;
 use lcm_types::{MonoTime, channels};
 use vehicle_model::{Plant, PlantParams, State};
 
@@ -59,10 +59,10 @@ impl Log {
         }
     }
 
-    fn events(&self) -> Result<Reader<BufReader<File>>> {
+    fn events(&self) -> Result<EventReader<BufReader<File>>> {
         let shown = self.path.display();
         let file = File::open(&self.path).with_context(|| format!("cannot read {shown}"))?;
-        Ok(Reader::new(BufReader::new(file)))
+        Ok(EventReader::new(BufReader::new(file)))
     }
 
     /// Shows every message when it is due.
