@@ -1,6 +1,6 @@
 //! Which values a configuration may have.
 
-use super::keys::{Key, Kind, Value};
+use super::keys::{ConfigKey, ConfigValue, ValueKind};
 use super::{Config, Problem, SECTIONS};
 
 impl Config {
@@ -25,16 +25,16 @@ impl Config {
     }
 }
 
-fn of_key(key: &Key, config: &Config) -> Vec<Problem> {
+fn of_key(key: &ConfigKey, config: &Config) -> Vec<Problem> {
     let Some([least, most]) = key.range else { return Vec::new() };
     let check = |name: String, found: f64| {
         let message = format!("{found} is out of range; allowed is {least} to {most}");
         (!(least..=most).contains(&found)).then_some(Problem { key: name, message })
     };
     match (key.value(config), key.kind) {
-        (Value::Count(found), _) => check(key.dotted(), found as f64).into_iter().collect(),
-        (Value::Number(found), _) => check(key.dotted(), found).into_iter().collect(),
-        (Value::Numbers(found), Kind::Numbers(labels)) => {
+        (ConfigValue::Count(found), _) => check(key.dotted(), found as f64).into_iter().collect(),
+        (ConfigValue::Number(found), _) => check(key.dotted(), found).into_iter().collect(),
+        (ConfigValue::Numbers(found), ValueKind::Numbers(labels)) => {
             let entry = |(label, found): (&&str, &f64)| {
                 check(format!("{} ({label})", key.dotted()), *found)
             };

@@ -14,7 +14,7 @@ use super::config::{DIGITS, row};
 use command_line::CheckArgs;
 use file_check::{CheckedFile, FileKind, check_file};
 use hosting::load;
-use hosting::settings::{Layers, Origin, Setting};
+use hosting::settings::{Layers, Setting, SettingOrigin};
 use terminal::{BAD, GOOD, SOFT, paint, result};
 
 /// Greatest width of a line of settings.
@@ -101,7 +101,7 @@ fn by_origin(settings: &[Setting<'_>]) -> Vec<String> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     let mut preset = 0;
     for Setting { key, value, origin } in settings {
-        if matches!(origin, Origin::Preset(_)) {
+        if matches!(origin, SettingOrigin::Preset(_)) {
             preset += 1;
             continue;
         }
