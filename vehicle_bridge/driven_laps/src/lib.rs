@@ -16,7 +16,7 @@ use anyhow::{Context as _, Result};
 use controller::Pose;
 use vehicle_model::Input;
 
-pub use drive::{Driven, LapAccount, drive};
+pub use drive::{LapAccount, ResampledDrive, drive};
 
 /// What a file says of a drive, in the order of time.
 #[derive(Debug, Clone, Default)]
@@ -47,7 +47,7 @@ pub struct Recorded {
 
 /// Which recorded inputs are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum InputSource {
+pub enum InputChoice {
     /// Those of the recording if it has any, else reckoned ones.
     #[default]
     Auto,

@@ -103,7 +103,7 @@ impl Known {
     /// What is kept of a lap.
     #[must_use]
     pub fn new(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> Self {
-        let point = |p: &optimum::Point| [p.x.s, p.time, p.x.v_x, p.x.e_y];
+        let point = |p: &optimum::LapPoint| [p.x.s, p.time, p.x.v_x, p.x.e_y];
         Self {
             car: car.name.clone(),
             track: track.name().to_owned(),

@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use optimum::{Optimum, Options, Progress};
+use optimum::{Optimum, Options, SolveProgress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
@@ -67,11 +67,11 @@ pub(super) fn solve(
     talk: Talk,
 ) -> Result<Optimum> {
     let found = optimum::solve_with_progress(car, track, options, |progress| match progress {
-        Progress::Start { index, steps, lap_time } => {
+        SolveProgress::Start { index, steps, lap_time } => {
             let time = lap_time.map_or("did not converge".to_owned(), |t| format!("{t:.3} s"));
             talk.say(&paint(SOFT, &format!("start {}: {time}, {steps} steps", index + 1)));
         }
-        Progress::Refined { intervals, steps, lap_time, defect } => {
+        SolveProgress::Refined { intervals, steps, lap_time, defect } => {
             let text = format!(
                 "{intervals} intervals: {lap_time:.4} s, {steps} steps, largest defect {defect:.1e}"
             );

@@ -4,7 +4,7 @@ use anyhow::{Result, bail, ensure};
 use controller::Action;
 use hosting::timing::{PHASES, StepTime, percentile};
 use racing::Race;
-use racing::columns::{LAPS, STEPS, Value};
+use racing::columns::{ColumnValue, LAPS, STEPS};
 use racing::record::{mean, median};
 use serde::Deserialize;
 
@@ -171,7 +171,7 @@ impl CampaignMeasure {
     pub fn of_race(&self, race: &Race) -> String {
         let values = self.values(race);
         if let Take::Count(word) = &self.take {
-            let same = |value: &&Value| value.to_string() == *word;
+            let same = |value: &&ColumnValue| value.to_string() == *word;
             return values.iter().filter(same).count().to_string();
         }
         let mut numbers: Vec<f64> = values.iter().filter_map(|value| value.number()).collect();
@@ -190,7 +190,7 @@ impl CampaignMeasure {
         if number.is_finite() { number.to_string() } else { String::new() }
     }
 
-    fn values(&self, race: &Race) -> Vec<Value> {
+    fn values(&self, race: &Race) -> Vec<ColumnValue> {
         let first = race.steps.iter().position(|step| step.status.action == Action::Learned);
         let first = first.unwrap_or(race.steps.len());
         let steps = match self.of {
@@ -203,7 +203,7 @@ impl CampaignMeasure {
             Source::Time(phase) => {
                 let us = |time: &StepTime| 1e6 * phase.map_or(time.total, |i| time.phases[i]);
                 let times = race.times.get(steps).unwrap_or_default();
-                times.iter().map(|time| Value::Number(us(time))).collect()
+                times.iter().map(|time| ColumnValue::Number(us(time))).collect()
             }
             Source::Lap(i) => {
                 let counts = |lap: &&racing::record::LapRow| match self.of {
