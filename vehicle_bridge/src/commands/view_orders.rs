@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::Result;
 use lcm_types::OperatorCommand;
 
-use live_view::{Order, Orders};
+use live_view::{OrderRequest, Orders};
 use protocol::publisher::random;
 use safety::BridgeState;
 use services::operator_client::{Operator, OperatorAnswer};
@@ -29,7 +29,7 @@ pub(super) fn orders(network: &Arc<dyn Transport>) -> Result<Orders> {
     })
 }
 
-fn command(order: &Order) -> Result<OperatorCommand, String> {
+fn command(order: &OrderRequest) -> Result<OperatorCommand, String> {
     let (command, value) = match order.order.as_str() {
         "arm" => (OperatorCommand::ARM, 0.0),
         "disarm" => (OperatorCommand::DISARM, 0.0),
