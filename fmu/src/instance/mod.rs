@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 pub(crate) use access::{Boolean2, Boolean3, Element};
-use snapshot::Snapshot;
+use snapshot::FmuState;
 
 use crate::description::Version;
 use crate::log::{CallLog, Filter};
@@ -79,7 +79,7 @@ pub(crate) struct Instance<M: FmuModel> {
     pub(crate) log: CallLog,
     /// Texts handed to the host stay alive here until read again.
     pub(crate) texts: BTreeMap<usize, CString>,
-    snapshots: BTreeMap<usize, Snapshot<M>>,
+    snapshots: BTreeMap<usize, FmuState<M>>,
     /// Numbers from before the step under way.
     backup: Vec<f64>,
 }

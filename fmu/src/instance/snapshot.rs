@@ -11,7 +11,7 @@ use crate::values::VariableValues;
 use crate::variable::Role;
 
 /// Everything an FMU state holds.
-pub(super) struct Snapshot<M: FmuModel> {
+pub(super) struct FmuState<M: FmuModel> {
     core: Core,
     state: Option<M::State>,
 }
@@ -30,7 +30,7 @@ impl<M: FmuModel> Instance<M> {
     pub(crate) fn get_state(&mut self, function: &str, old: usize) -> Result<usize, CallError> {
         self.allow(function, &Phase::ALL[..5])?;
         let state = self.model.as_ref().map(M::state);
-        let snapshot = Snapshot { core: self.core.clone(), state };
+        let snapshot = FmuState { core: self.core.clone(), state };
         if old != 0 && !self.snapshots.contains_key(&old) {
             return Err(unknown(function));
         }
@@ -46,7 +46,7 @@ impl<M: FmuModel> Instance<M> {
         done.map_err(|fault| CallError::Refused(format!("{function}: {fault}")))
     }
 
-    fn adopt(&mut self, function: &str, snapshot: &Snapshot<M>) -> Result<(), CallError> {
+    fn adopt(&mut self, function: &str, snapshot: &FmuState<M>) -> Result<(), CallError> {
         let Some(state) = &snapshot.state else {
             (self.core, self.model) = (snapshot.core.clone(), None);
             return Ok(());
@@ -120,7 +120,7 @@ impl<M: FmuModel> Instance<M> {
         Ok(self.keep(old, snapshot))
     }
 
-    fn keep(&mut self, old: usize, snapshot: Snapshot<M>) -> usize {
+    fn keep(&mut self, old: usize, snapshot: FmuState<M>) -> usize {
         let handle = match old {
             0 => NEXT_HANDLE.fetch_add(1, Ordering::Relaxed),
             old => old,
@@ -170,7 +170,7 @@ fn payload<M: FmuModel>(bytes: &[u8]) -> Result<&[u8], String> {
     Ok(payload)
 }
 
-fn write<M: FmuModel>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, CallError> {
+fn write<M: FmuModel>(snapshot: &FmuState<M>) -> Result<Vec<u8>, CallError> {
     let core = &snapshot.core;
     let mut writer = ByteWriter::default();
     let phase = Phase::ALL.iter().position(|p| *p == core.phase).unwrap_or_default();
@@ -188,11 +188,11 @@ fn write<M: FmuModel>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, CallError> {
     Ok(writer.finish())
 }
 
-fn read_snapshot<M: FmuModel>(bytes: &[u8]) -> Result<Snapshot<M>, CallError> {
+fn read_snapshot<M: FmuModel>(bytes: &[u8]) -> Result<FmuState<M>, CallError> {
     let mut reader = ByteReader::new(bytes);
     let (core, state) = read_fields::<M>(&mut reader)
         .ok_or_else(|| CallError::Refused("the saved state ends too early".to_owned()))?;
-    Ok(Snapshot { core, state: state.map(M::load).transpose()? })
+    Ok(FmuState { core, state: state.map(M::load).transpose()? })
 }
 
 fn read_fields<'a, M: FmuModel>(reader: &mut ByteReader<'a>) -> Option<(Core, Option<&'a [u8]>)> {

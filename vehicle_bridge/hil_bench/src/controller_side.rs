@@ -11,12 +11,12 @@ const E_Y: usize = 5;
 
 /// Messages of the controller.
 #[derive(Debug, Default)]
-pub(super) struct Controller {
+pub(super) struct ControllerMessages {
     pub(super) beats: Vec<Heartbeat>,
     pub(super) steps: Vec<MpcTelemetry>,
 }
 
-impl Controller {
+impl ControllerMessages {
     /// Takes in a message, if it is the controller's.
     pub(super) fn add(&mut self, channel: &str, payload: &[u8]) {
         match channel {
@@ -51,7 +51,7 @@ impl Controller {
     }
 }
 
-impl Controller {
+impl ControllerMessages {
     /// What the controller did and found out after the faults began.
     fn of_steps(&self, start_ns: i64, values: &mut MeasuredValues) {
         let after = || self.steps.iter().filter(|step| step.h.mono_ns >= start_ns);
@@ -122,7 +122,7 @@ mod tests {
         ];
         let grips = [0.9, 1.0, 0.99, 0.8, 0.7];
         let steps = (0..).zip(actions).zip(grips).map(|((at, action), g)| step(at, action, g));
-        let controller = Controller { beats: Vec::new(), steps: steps.collect() };
+        let controller = ControllerMessages { beats: Vec::new(), steps: steps.collect() };
         let mut values = MeasuredValues::default();
         controller.values(100_000_000, &mut values);
         let expected = [
@@ -153,7 +153,7 @@ mod tests {
             detail: detail.to_owned(),
             ..Heartbeat::default()
         };
-        let controller = Controller {
+        let controller = ControllerMessages {
             beats: vec![
                 beat(1, 5, "7 laps learned; log: 12 messages dropped, full; cannot save x: full"),
                 beat(1, 12, "8 laps learned"),

@@ -12,7 +12,7 @@ use lcm_types::{
 use vehicle_model::{CarParams, Track};
 
 use super::fault::{Fault, FaultKind};
-use super::operator::{Duty, Operator, Switch};
+use super::operator::{BenchOperator, Duty, Switch};
 use super::proxy::Start;
 use hosting::realtime;
 use hosting::worker::Worker;
@@ -75,7 +75,7 @@ impl Driver {
         let names = [channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
         let names = names.map(str::to_owned).to_vec();
         network.subscribe(Filter::Only(names), inbox.sink())?;
-        let operator = Operator::new(network);
+        let operator = BenchOperator::new(network);
         let orders = operator.sent();
         let mut source = Source {
             inbox,
@@ -129,7 +129,7 @@ struct Source {
     inbox: Inbox,
     network: Arc<dyn Transport>,
     out: Outlets,
-    operator: Operator,
+    operator: BenchOperator,
     task: Task,
     start: Start,
     progress: Arc<Mutex<Progress>>,

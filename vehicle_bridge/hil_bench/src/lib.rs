@@ -66,7 +66,7 @@ pub fn execute<'b>(
     mut done: impl FnMut(&bench::Scenario, &RunOutcome) -> Result<()>,
 ) -> Result<(Vec<Verdict<'b>>, Stood)> {
     let (car, track) = (load::car(&bench.car)?, load::track(&bench.track)?);
-    let context = run::Place { bench, car, track: Arc::clone(&track), lmpc };
+    let context = run::RunContext { bench, car, track: Arc::clone(&track), lmpc };
     let watch = Watch::start()?;
     let free = Mutex::new((0..jobs).filter_map(|i| u16::try_from(2 * i).ok()).collect::<Vec<_>>());
     let lock = || free.lock().unwrap_or_else(PoisonError::into_inner);

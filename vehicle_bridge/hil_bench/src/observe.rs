@@ -14,7 +14,7 @@ use lcm_types::{
 };
 use vehicle_model::{Limiter, State, Track};
 
-use super::controller_side::{Controller, log_dropped};
+use super::controller_side::{ControllerMessages, log_dropped};
 use super::measure::{Measure, MeasuredValues};
 use super::on_car::TRUTH;
 use super::output::{STOP, drives, unsafe_reports};
@@ -37,7 +37,7 @@ pub(super) struct Heard {
     /// Of the bridge.
     pub(super) beats: Vec<Heartbeat>,
     pub(super) acks: Vec<OperatorAck>,
-    pub(super) controller: Controller,
+    pub(super) controller: ControllerMessages,
 }
 
 /// What a run is measured by.

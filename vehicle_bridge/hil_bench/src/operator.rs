@@ -37,7 +37,7 @@ pub(super) enum Switch {
 }
 
 /// The operator.
-pub(super) struct Operator {
+pub(super) struct BenchOperator {
     publisher: Publisher,
     /// The grant in force, as last heard. \[-\]
     pub(super) token: i64,
@@ -52,7 +52,7 @@ pub(super) struct Operator {
     sent: Arc<Mutex<BTreeSet<usize>>>,
 }
 
-impl Operator {
+impl BenchOperator {
     pub(super) fn new(network: &Arc<dyn Transport>) -> Self {
         Self {
             publisher: Publisher::new(network, &Identity::new("operator"), channels::OPERATOR),

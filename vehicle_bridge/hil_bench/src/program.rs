@@ -8,14 +8,14 @@ use anyhow::{Context as _, Result, bail};
 use super::bench::Scenario;
 use super::measure::{MeasuredValues, Name};
 use super::process::ended;
-use super::run::{Folder, Place, Words};
+use super::run::{Folder, RunContext, Words};
 
 const LOOK: Duration = Duration::from_millis(5);
 const EXIT_CODE: &str = "exit_code";
 
 /// Runs a scenario's program once, with the networks of this pair of ports to itself.
 pub(super) fn run(
-    context: &Place<'_>,
+    context: &RunContext<'_>,
     scenario: &Scenario,
     seed: u64,
     ports: u16,

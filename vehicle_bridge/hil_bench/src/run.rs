@@ -51,7 +51,7 @@ const CAR_FAULTS: &str = "car-faults.json";
 const NEAR: f64 = 1.0;
 
 /// What a run needs in addition to its scenario.
-pub(super) struct Place<'a> {
+pub(super) struct RunContext<'a> {
     pub(super) bench: &'a Bench,
     pub(super) car: CarParams,
     pub(super) track: Arc<Track>,
@@ -79,7 +79,12 @@ pub struct RunOutcome {
 }
 
 /// Runs a scenario once on the networks of this pair of ports.
-pub(super) fn run(context: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> RunOutcome {
+pub(super) fn run(
+    context: &RunContext<'_>,
+    scenario: &Scenario,
+    seed: u64,
+    ports: u16,
+) -> RunOutcome {
     let begun = Instant::now();
     let mut outcome = RunOutcome { seed, ..RunOutcome::default() };
     let result = if !scenario.program.is_empty() {
@@ -121,7 +126,7 @@ pub(super) fn run(context: &Place<'_>, scenario: &Scenario, seed: u64, ports: u1
 }
 
 fn drive(
-    context: &Place<'_>,
+    context: &RunContext<'_>,
     scenario: &Scenario,
     seed: u64,
     ports: u16,
@@ -302,7 +307,7 @@ pub(super) struct Words {
 }
 
 impl Words {
-    pub(super) fn of(context: &Place<'_>, seed: u64, ports: u16, folder: &Folder) -> Self {
+    pub(super) fn of(context: &RunContext<'_>, seed: u64, ports: u16, folder: &Folder) -> Self {
         let url = |port: u16| format!("udpm://239.255.76.67:{port}?ttl=0");
         let others = vec![
             ("{lmpc}", context.lmpc.display().to_string()),

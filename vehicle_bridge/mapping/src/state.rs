@@ -6,7 +6,9 @@ use lcm_types::value::{Path, Value};
 use lcm_types::{Header, VehicleState};
 
 use super::Mapping;
-use super::file::{FrameEntry, MapFile, Order, ReferenceEntry, Sense, Signal, VelocityFrame, Zero};
+use super::file::{
+    FrameEntry, MapFile, QuaternionOrder, ReferenceEntry, Sense, Signal, VelocityFrame, Zero,
+};
 use super::resolve::Resolver;
 use super::unit::Quantity;
 use lcm_types::Arrival;
@@ -46,7 +48,7 @@ struct Number {
 #[derive(Debug, Clone)]
 enum Yaw {
     Angle { number: Number, zero: Zero, positive: Sense },
-    Quaternion { source: usize, paths: [Path; 4], order: Order },
+    Quaternion { source: usize, paths: [Path; 4], order: QuaternionOrder },
 }
 
 #[derive(Debug, Clone)]
@@ -204,8 +206,8 @@ impl StateMap {
                 let q = paths.each_ref().map(|p| p.get(message).and_then(Value::number));
                 let [a, b, c, d] = q;
                 let (w, x, y, z) = match order {
-                    Order::Wxyz => (a?, b?, c?, d?),
-                    Order::Xyzw => (d?, a?, b?, c?),
+                    QuaternionOrder::Wxyz => (a?, b?, c?, d?),
+                    QuaternionOrder::Xyzw => (d?, a?, b?, c?),
                 };
                 let norm = w * w + x * x + y * y + z * z;
                 // Not a rotation: an estimator that has not started sends zeros.

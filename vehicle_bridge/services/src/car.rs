@@ -70,7 +70,7 @@ pub struct DriveSummary {
 }
 
 /// The car.
-pub struct Car {
+pub struct SimulatedCar {
     options: CarOptions,
     vehicle: Box<dyn Vehicle>,
     commands: Inbox,
@@ -88,7 +88,7 @@ pub struct Car {
     drive: DriveSummary,
 }
 
-impl Car {
+impl SimulatedCar {
     /// A vehicle as it stands, on a network.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ const WIDTH: usize = 96;
 
 /// A checked file with the settings derived from it.
 #[derive(Serialize)]
-struct Report {
+struct CheckReport {
     #[serde(flatten)]
     checked: CheckedFile,
     /// Every setting of the controller; empty for files that set none.
@@ -34,13 +34,13 @@ struct Report {
 
 /// Checks every file and prints what was found.
 pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
-    let reports: Vec<Report> =
+    let reports: Vec<CheckReport> =
         args.files.iter().map(|file| report(file, args)).collect::<Result<_>>()?;
     let bad = reports.iter().any(|report| !report.checked.problems.is_empty());
     if args.json {
         terminal::json(&reports)?;
     } else {
-        for Report { checked: file, lines, .. } in &reports {
+        for CheckReport { checked: file, lines, .. } in &reports {
             let (name, kind) = (&file.file, file.kind);
             match file.problems.len() {
                 0 => result(&format!("{name}: {kind}, {}", paint(GOOD, "no problems")))?,
@@ -58,9 +58,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
     Ok(if bad { Outcome::Problems } else { Outcome::Done })
 }
 
-fn report(path: &Path, args: &CheckArgs) -> Result<Report> {
+fn report(path: &Path, args: &CheckArgs) -> Result<CheckReport> {
     let checked = check_file(path);
-    let mut report = Report { checked, settings: Vec::new(), lines: Vec::new() };
+    let mut report = CheckReport { checked, settings: Vec::new(), lines: Vec::new() };
     if !report.checked.problems.is_empty() {
         return Ok(report);
     }

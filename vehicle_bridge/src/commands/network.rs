@@ -27,7 +27,7 @@ use protocol::convert;
 use racing::RaceOptions;
 use racing::words::kind_word;
 use safety::Setup;
-use services::car::{Car, CarOptions, DriveSummary};
+use services::car::{CarOptions, DriveSummary, SimulatedCar};
 use services::mapped_car::MappedCar;
 use services::service::{Service, ServiceOptions};
 use services::store::LearnedDataStore;
@@ -156,12 +156,13 @@ pub(super) fn sim(
     };
     let stop = on_signal()?;
     let mut closed = Ok(());
-    let drive = Car::new(car, vehicle, rule, &network)?.run(&stop, &mut |lap, time, clean| {
-        let off = if clean { "" } else { "  off the track" };
-        if closed.is_ok() {
-            closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
-        }
-    })?;
+    let drive =
+        SimulatedCar::new(car, vehicle, rule, &network)?.run(&stop, &mut |lap, time, clean| {
+            let off = if clean { "" } else { "  off the track" };
+            if closed.is_ok() {
+                closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
+            }
+        })?;
     closed?;
     account(&drive, talk);
     Ok(match (drive.deserted, drive.off_track + drive.stopped) {

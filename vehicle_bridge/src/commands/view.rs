@@ -97,7 +97,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
         log.play(&audience, &stop)?;
     } else if args.race {
-        let race = view_source::Race::new(options, args)?;
+        let race = view_source::RaceSource::new(options, args)?;
         let audience = audience(race.title(), race.clock());
         show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
         race.drive(&audience, &stop)?;

@@ -19,7 +19,7 @@ use command_line::ViewArgs;
 use hosting::rule::FailureRule;
 use live_view::Clock;
 use racing::RaceOptions;
-use services::car::{Car, CarOptions};
+use services::car::{CarOptions, SimulatedCar};
 use services::service::{Service, ServiceOptions};
 use transport::{Arrival, Error, Filter, Local, Sink, Statistics, Transport};
 
@@ -124,13 +124,13 @@ fn arrival(utime: i64) -> Arrival {
 }
 
 /// A race: the service and a simulated car in lock-step, on a network within this program.
-pub(super) struct Race {
+pub(super) struct RaceSource {
     options: RaceOptions,
     setup: lcm_types::Setup,
     speed: f64,
 }
 
-impl Race {
+impl RaceSource {
     pub(super) fn new(mut options: RaceOptions, args: &ViewArgs) -> Result<Self> {
         options.seed = args.seed;
         options.config.warm_up.seed = args.seed;
@@ -189,7 +189,7 @@ impl Race {
         };
         let rule =
             FailureRule::new(&options.config, &options.track, &options.plant.car, options.limit);
-        let mut car = Car::new(car, vehicle, rule, &network)?;
+        let mut car = SimulatedCar::new(car, vehicle, rule, &network)?;
         let over = Arc::new(AtomicBool::new(false));
         let served = Arc::clone(&over);
         let server = std::thread::Builder::new()

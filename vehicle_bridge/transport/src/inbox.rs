@@ -29,12 +29,12 @@ pub struct Inbox {
 #[derive(Debug)]
 struct Shared {
     capacity: usize,
-    state: Mutex<State>,
+    state: Mutex<InboxState>,
     arrived: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct InboxState {
     urgent: VecDeque<Received>,
     waiting: VecDeque<Received>,
     /// Memory of messages gone by, for the next ones.
@@ -113,7 +113,7 @@ impl Inbox {
     }
 }
 
-impl State {
+impl InboxState {
     fn pop(&mut self) -> Option<Received> {
         self.urgent.pop_front().or_else(|| self.waiting.pop_front())
     }
@@ -121,7 +121,7 @@ impl State {
 
 impl Shared {
     /// The state; a thread that panicked while holding it left it whole.
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, InboxState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -134,7 +134,7 @@ struct Entrance {
 impl Sink for Entrance {
     fn deliver(&mut self, message: &ReceivedMessage<'_>) {
         let mut guard = self.shared.lock();
-        let State { urgent, waiting, spare, dropped } = &mut *guard;
+        let InboxState { urgent, waiting, spare, dropped } = &mut *guard;
         let queue = if self.urgent { urgent } else { waiting };
         let oldest = if queue.len() == self.shared.capacity {
             *dropped += 1;

@@ -9,7 +9,7 @@
 use vehicle_model::{Input, State};
 
 use super::super::rules::Rules;
-use super::response::{GRIPS, LAGS, Response};
+use super::response::{GRIPS, LAGS, ResponseModels};
 use super::{DoubtFinding, DoubtLimits, Suspicion};
 use crate::stop;
 
@@ -123,7 +123,7 @@ impl Bank {
         rules: &Rules,
         limits: &DoubtLimits,
         (before, x): (&State, &State),
-        response: &Response,
+        response: &ResponseModels,
         dt: f64,
     ) -> DoubtFinding {
         let lagged = response.lagged();

@@ -19,7 +19,7 @@ use vehicle_model::{Input, State};
 use super::rules::Rules;
 use bank::Bank;
 use motion::Motion;
-use response::Response;
+use response::ResponseModels;
 
 /// What is doubted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
@@ -95,7 +95,7 @@ impl DoubtFinding {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Doubt {
     motion: Motion,
-    response: Response,
+    response: ResponseModels,
     bank: Bank,
     /// Reckoned on while the states are doubted, else the last state.
     trusted: Option<State>,

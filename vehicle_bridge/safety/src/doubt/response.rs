@@ -30,7 +30,7 @@ const MOST: f64 = 1.5;
 
 /// Models of the car, one for each hypothesis, and the sums of their disagreements.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Response {
+pub(super) struct ResponseModels {
     models: Option<[[State; LAGS.len()]; GRIPS.len()]>,
     /// The input as the actuators have it by now.
     input: Input,
@@ -43,7 +43,7 @@ pub(super) struct Response {
     steering: f64,
 }
 
-impl Response {
+impl ResponseModels {
     /// The input behind each lag.
     pub(super) fn lagged(&self) -> &[Input; LAGS.len()] {
         &self.lagged
