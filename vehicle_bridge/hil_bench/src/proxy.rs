@@ -115,7 +115,7 @@ struct Forwarder {
     waiting: Vec<(i64, usize, Vec<u8>)>,
     sequence: u32,
     sniffed: Sniffed,
-    malformed: Vec<malformed::MalformedCase>,
+    malformed: Vec<malformed::MalformedMessage>,
 }
 
 impl Forwarder {
