@@ -159,7 +159,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),
     (
         "vehicle_bridge/vehicle_host",
-        "fmi fmu_core libloading log roxmltree serde tempfile thiserror toml vehicle_model zip",
+        "actuators fmi fmu_core libloading log roxmltree serde tempfile thiserror toml vehicle_model zip",
     ),
     ("vehicle_model", "libm nalgebra pulp rand rand_pcg serde strsim thiserror toml track"),
     ("vehicle_model/track", "libm nalgebra rand rand_pcg serde serde_json thiserror toml"),

@@ -74,7 +74,7 @@ pub const SECTIONS: &[Section] = &[
 
 /// A key whose value is not allowed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
+pub struct ConfigProblem {
     /// Dotted key, as in the TOML file.
     pub key: String,
     /// What was found and what is allowed.

@@ -1,6 +1,6 @@
 //! Errors of construction. At run time there are none: see [`crate::Status`].
 
-use crate::config::Problem;
+use crate::config::ConfigProblem;
 use vehicle_model::explain_unknown_key;
 
 /// Why a controller or its configuration could not be made.
@@ -11,7 +11,7 @@ pub enum ConfigError {
     Syntax(String),
     /// Values out of range, all of them.
     #[error("the configuration has values out of range:{}", list(.0))]
-    Values(Vec<Problem>),
+    Values(Vec<ConfigProblem>),
     /// Configuration, car and track do not fit together.
     #[error("{0}")]
     Mismatch(String),
@@ -27,7 +27,7 @@ impl ConfigError {
     }
 }
 
-fn list(problems: &[Problem]) -> String {
+fn list(problems: &[ConfigProblem]) -> String {
     problems.iter().map(|p| format!("\n  {}: {}", p.key, p.message)).collect()
 }
 

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use controller::config::SECTIONS;
-use controller::config::keys::{Derivation, Key, Kind};
+use controller::config::keys::{ConfigKey, Derivation, ValueKind};
 use controller::{Config, Preset};
 use vehicle_model::{CarParams, Track};
 
@@ -23,10 +23,10 @@ origin; `lmpc config --schema` prints a JSON schema for editors.
 
 ";
 
-fn row(key: &Key, race: &Config, paper: &Config) -> String {
+fn row(key: &ConfigKey, race: &Config, paper: &Config) -> String {
     let range = key.range.map_or(String::new(), |[least, most]| format!("{least} to {most}"));
     let range = match key.kind {
-        Kind::Choice(words) => {
+        ValueKind::Choice(words) => {
             words.iter().map(|w| format!("`{}`", w.word)).collect::<Vec<_>>().join(", ")
         }
         _ => range,
@@ -39,7 +39,7 @@ fn row(key: &Key, race: &Config, paper: &Config) -> String {
             write!(meaning, " From car and track: {rule}.").unwrap();
         }
     }
-    if let Kind::Choice(words) = key.kind {
+    if let ValueKind::Choice(words) = key.kind {
         for word in words {
             write!(meaning, " `{}`: {}", word.word, word.meaning()).unwrap();
         }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use controller::{Config, Controller, Measurement, Pose};
-use fmu_core::{ControllerFmu, Model};
+use fmu_core::{ControllerFmu, FmuModel};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 fmu_core::export_fmu!(ControllerFmu);

@@ -2,11 +2,11 @@
 
 /// Collects bytes.
 #[derive(Debug, Default)]
-pub struct Writer {
+pub struct ByteWriter {
     bytes: Vec<u8>,
 }
 
-impl Writer {
+impl ByteWriter {
     /// Appends an unsigned number.
     pub fn u64(&mut self, value: u64) {
         self.bytes.extend_from_slice(&value.to_le_bytes());
@@ -38,11 +38,11 @@ impl Writer {
 
 /// Takes bytes apart; every method returns `None` past the end.
 #[derive(Debug)]
-pub struct Reader<'a> {
+pub struct ByteReader<'a> {
     bytes: &'a [u8],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ByteReader<'a> {
     /// Reads from the beginning of `bytes`.
     #[must_use]
     pub fn new(bytes: &'a [u8]) -> Self {

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::checksum;
-use crate::table::Table;
+use crate::table::VariableTable;
 use crate::xml;
 
 /// A group of variables to be connected as one plug (FMI 3.0 terminal).
@@ -66,7 +66,7 @@ pub struct Description {
     /// Proposed communication step \[s\].
     pub step_size: f64,
     /// The variables.
-    pub table: Table,
+    pub table: VariableTable,
     /// Groups to be connected as one.
     pub terminals: Vec<Terminal>,
     /// Files for `resources/`.
@@ -80,6 +80,24 @@ pub struct Description {
 }
 
 impl Description {
+    /// What both of our FMUs say, with these variables; names, terminals and documents are empty.
+    pub(crate) fn shipped(table: VariableTable) -> Self {
+        Self {
+            model_name: "",
+            model_identifier: "",
+            description: "",
+            version: env!("CARGO_PKG_VERSION"),
+            stop_time: 60.0,
+            step_size: 0.1,
+            table,
+            terminals: Vec::new(),
+            resources: crate::documents::RESOURCES.to_vec(),
+            documentation: "",
+            icon: &[],
+            token: OnceLock::new(),
+        }
+    }
+
     /// GUID (FMI 2.0) and instantiation token (FMI 3.0): a hash of the sources and of what names
     /// the variables. So description, library and saved states of different builds cannot be mixed
     /// up. No number is in it: what a machine makes of a number must not decide whether a library

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Track};
 
 use crate::model::Io;
-use crate::status::Fault;
+use crate::status::CallError;
 
 /// The car the models start from where nothing else is said.
 pub(crate) const CAR: &str = "barc";
@@ -30,12 +30,12 @@ impl CentreLine {
     }
 
     /// Refuses a state whose centre line is not that of `track`.
-    pub(crate) fn require(&self, track: &Track) -> Result<(), Fault> {
+    pub(crate) fn require(&self, track: &Track) -> Result<(), CallError> {
         let here = Self::of(track);
         if self.fingerprint == here.fingerprint {
             return Ok(());
         }
-        Err(Fault::Refused(format!(
+        Err(CallError::Refused(format!(
             "the state is of another centre line, {} m long; that of this instance's track '{}' is \
              {} m long",
             self.length,
@@ -46,37 +46,37 @@ impl CentreLine {
 }
 
 /// Reads the text of a file: as named, or below the FMU's resources.
-pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, Fault> {
+pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, CallError> {
     let mut tried = vec![PathBuf::from(name)];
     tried.extend(io.resources.map(|folder| folder.join(name)));
     let place = tried.iter().find(|path| path.is_file()).ok_or_else(|| {
         let places: Vec<String> = tried.iter().map(|p| p.display().to_string()).collect();
-        Fault::Failed(format!("{what} '{name}': no such file; looked at {}", places.join(", ")))
+        CallError::Failed(format!("{what} '{name}': no such file; looked at {}", places.join(", ")))
     })?;
     std::fs::read_to_string(place)
-        .map_err(|e| Fault::Failed(format!("{what} {}: {e}", place.display())))
+        .map_err(|e| CallError::Failed(format!("{what} {}: {e}", place.display())))
 }
 
 /// A track that ships, or one from a file.
-pub(crate) fn track(io: &Io<'_>, name: &str) -> Result<Arc<Track>, Fault> {
+pub(crate) fn track(io: &Io<'_>, name: &str) -> Result<Arc<Track>, CallError> {
     if let Some(track) = Track::builtin(name) {
         return Ok(Arc::new(track));
     }
     if !looks_like_file(name) {
         let known: Vec<&str> = Track::builtin_names().collect();
-        return Err(Fault::Failed(format!(
+        return Err(CallError::Failed(format!(
             "param.track = '{name}' is neither a file nor one of {}",
             known.join(", ")
         )));
     }
     let text = read(io, "track", name)?;
     let track = Track::parse(&file_name(name), &text);
-    track.map(Arc::new).map_err(|e| Fault::Failed(format!("track {name}: {e}")))
+    track.map(Arc::new).map_err(|e| CallError::Failed(format!("track {name}: {e}")))
 }
 
 /// A car that ships, or one from a file.
-pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, Fault> {
-    let failed = |e: vehicle_model::ModelError| Fault::Failed(format!("car {name}: {e}"));
+pub(crate) fn car(io: &Io<'_>, name: &str) -> Result<CarParams, CallError> {
+    let failed = |e: vehicle_model::ModelError| CallError::Failed(format!("car {name}: {e}"));
     if looks_like_file(name) {
         return CarParams::from_toml(&read(io, "car", name)?).map_err(failed);
     }

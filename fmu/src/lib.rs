@@ -1,6 +1,6 @@
 //! One model behind the FMI 2.0 and the FMI 3.0 co-simulation interfaces.
 //!
-//! A [`Model`] names its variables in a [`Table`] and knows how to start, step, save and load.
+//! A [`FmuModel`] names its variables in a [`VariableTable`] and knows how to start, step, save and load.
 //! Everything else is here: the state machine, all checks, FMU states, the log, the C functions
 //! of both versions ([`export_fmu!`]), the model descriptions and the packed file ([`pack`]).
 //!
@@ -47,16 +47,16 @@ mod vehicle;
 mod xml;
 
 pub use crate::controller::{ControllerFmu, ControllerFmuState};
-pub use bytes::{Reader, Writer};
+pub use bytes::{ByteReader, ByteWriter};
 pub use description::{Description, Resource, Terminal, Version};
 pub use inspect::{Inspection, VariableRow, inspect};
-pub use log::{CATEGORIES, Log, Message};
-pub use model::{Io, Model, Step};
+pub use log::{CATEGORIES, CallLog, LogMessage};
+pub use model::{CommunicationStep, FmuModel, Io};
 pub use pack::{Binary, PackError, Platform, pack, write_zip};
-pub use schedule::Schedule;
+pub use schedule::TickSchedule;
 pub use ship::{Libraries, models, ship};
-pub use status::{Fault, Status};
-pub use table::{Boolean, Integer, Real, Table, Text};
-pub use values::Values;
-pub use variable::{Kind, Role, Variable};
+pub use status::{CallError, FmiStatus};
+pub use table::{Boolean, Integer, Real, Text, VariableTable};
+pub use values::VariableValues;
+pub use variable::{Role, Variable, VariableType};
 pub use vehicle::{VehicleFmu, VehicleState};

@@ -1,6 +1,6 @@
 //! Messages for the host's log.
 
-use crate::status::Status;
+use crate::status::FmiStatus;
 
 /// Names and meanings of the log categories every FMU here declares.
 pub const CATEGORIES: [(&str, &str); 6] = [
@@ -14,9 +14,9 @@ pub const CATEGORIES: [(&str, &str); 6] = [
 
 /// One message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
+pub struct LogMessage {
     /// What the message explains.
-    pub status: Status,
+    pub status: FmiStatus,
     /// The message in words.
     pub text: String,
 }
@@ -24,23 +24,23 @@ pub struct Message {
 /// Messages of the call under way. They reach the host after the call has let go of the
 /// instance, so a host's log function may call the FMU again.
 #[derive(Debug, Default)]
-pub struct Log {
-    pub(crate) messages: Vec<Message>,
+pub struct CallLog {
+    pub(crate) messages: Vec<LogMessage>,
 }
 
-impl Log {
+impl CallLog {
     /// Notes an event; the call still returns *ok*.
     pub fn event(&mut self, text: impl Into<String>) {
-        self.messages.push(Message { status: Status::Ok, text: text.into() });
+        self.messages.push(LogMessage { status: FmiStatus::Ok, text: text.into() });
     }
 
     /// Warns; a call that would return *ok* returns *warning*.
     pub fn warn(&mut self, text: impl Into<String>) {
-        self.messages.push(Message { status: Status::Warning, text: text.into() });
+        self.messages.push(LogMessage { status: FmiStatus::Warning, text: text.into() });
     }
 
-    pub(crate) fn worst(&self) -> Status {
-        self.messages.iter().map(|m| m.status).max().unwrap_or(Status::Ok)
+    pub(crate) fn worst(&self) -> FmiStatus {
+        self.messages.iter().map(|m| m.status).max().unwrap_or(FmiStatus::Ok)
     }
 }
 
@@ -70,9 +70,9 @@ impl Filter {
     }
 
     /// Reasons for error and fatal always pass: a host that shows nothing else needs them.
-    pub(crate) fn passes(&self, status: Status) -> bool {
+    pub(crate) fn passes(&self, status: FmiStatus) -> bool {
         let all = self.wanted[CATEGORIES.len() - 1];
         let place = CATEGORIES.iter().position(|(name, _)| *name == status.category());
-        status >= Status::Error || (self.on && (all || place.is_some_and(|i| self.wanted[i])))
+        status >= FmiStatus::Error || (self.on && (all || place.is_some_and(|i| self.wanted[i])))
     }
 }

@@ -3,24 +3,24 @@
 use std::path::Path;
 
 use crate::description::Description;
-use crate::log::Log;
-use crate::status::Fault;
-use crate::values::Values;
+use crate::log::CallLog;
+use crate::status::CallError;
+use crate::values::VariableValues;
 
 /// What the core hands a model during a call.
 #[derive(Debug)]
 pub struct Io<'a> {
     /// All variables; the model reads inputs and parameters and writes outputs.
-    pub values: &'a mut Values,
+    pub values: &'a mut VariableValues,
     /// Folder of the unpacked resources, if the host named one.
     pub resources: Option<&'a Path>,
     /// Messages for the host.
-    pub log: &'a mut Log,
+    pub log: &'a mut CallLog,
 }
 
 /// One communication step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct CommunicationStep {
     /// Start of the simulation \[s\].
     pub origin: f64,
     /// Time at the beginning of the step \[s\].
@@ -29,7 +29,7 @@ pub struct Step {
     pub size: f64,
 }
 
-impl Step {
+impl CommunicationStep {
     /// Time at the end of the step \[s\].
     #[must_use]
     pub fn end(&self) -> f64 {
@@ -38,7 +38,7 @@ impl Step {
 }
 
 /// A model behind the FMI interfaces.
-pub trait Model: Send + Sized + 'static {
+pub trait FmuModel: Send + Sized + 'static {
     /// Everything that changes while the model runs. Taking an FMU state clones it, so large
     /// data that seldom changes belongs behind an `Arc`.
     type State: Clone + Send + 'static;
@@ -50,19 +50,19 @@ pub trait Model: Send + Sized + 'static {
     /// initialisation ends, and before if the host reads an output during it.
     ///
     /// # Errors
-    /// [`Fault::Failed`] with the reason, naming parameter and value.
-    fn start(io: &mut Io<'_>) -> Result<Self, Fault>;
+    /// [`CallError::Failed`] with the reason, naming parameter and value.
+    fn start(io: &mut Io<'_>) -> Result<Self, CallError>;
 
     /// Writes into the parameters what is in force: what a preset, a file or a name stands for, and
     /// what a number left alone became. Called once, when initialisation has ended.
-    fn in_force(&mut self, _values: &mut Values) {}
+    fn in_force(&mut self, _values: &mut VariableValues) {}
 
     /// Moves from the beginning to the end of a step and writes the outputs of its end.
     ///
     /// # Errors
-    /// [`Fault::Discard`] if a smaller step may succeed (the model must then be unchanged);
-    /// [`Fault::Failed`] if the model cannot go on.
-    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault>;
+    /// [`CallError::Discard`] if a smaller step may succeed (the model must then be unchanged);
+    /// [`CallError::Failed`] if the model cannot go on.
+    fn step(&mut self, io: &mut Io<'_>, step: &CommunicationStep) -> Result<(), CallError>;
 
     /// The simulation ends.
     fn end(&mut self, _io: &mut Io<'_>) {}
@@ -73,18 +73,18 @@ pub trait Model: Send + Sized + 'static {
     /// Goes on from a state of a model started with the same fixed parameters, bit for bit.
     ///
     /// # Errors
-    /// [`Fault::Refused`] if the state belongs to something else; nothing is changed then.
-    fn resume(&mut self, state: &Self::State) -> Result<(), Fault>;
+    /// [`CallError::Refused`] if the state belongs to something else; nothing is changed then.
+    fn resume(&mut self, state: &Self::State) -> Result<(), CallError>;
 
     /// A state as bytes.
     ///
     /// # Errors
-    /// [`Fault::Refused`] if it cannot be written.
-    fn save(state: &Self::State) -> Result<Vec<u8>, Fault>;
+    /// [`CallError::Refused`] if it cannot be written.
+    fn save(state: &Self::State) -> Result<Vec<u8>, CallError>;
 
-    /// Reads what [`Model::save`] wrote.
+    /// Reads what [`FmuModel::save`] wrote.
     ///
     /// # Errors
-    /// [`Fault::Refused`] with the reason.
-    fn load(bytes: &[u8]) -> Result<Self::State, Fault>;
+    /// [`CallError::Refused`] with the reason.
+    fn load(bytes: &[u8]) -> Result<Self::State, CallError>;
 }

@@ -11,10 +11,10 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use crate::c::logger::Logger;
 use crate::instance::Instance;
-use crate::model::Model;
+use crate::model::FmuModel;
 
 /// An instance with the way to its host's log.
-pub(crate) struct Entry<M: Model> {
+pub(crate) struct Entry<M: FmuModel> {
     pub(crate) instance: Mutex<Instance<M>>,
     pub(crate) logger: Logger,
 }
@@ -25,14 +25,14 @@ static NEXT: AtomicUsize = AtomicUsize::new(1);
 /// Hosts may print handles or tag the low bits of pointers, so handles look like aligned ones.
 const STRIDE: usize = 16;
 
-pub(crate) fn insert<M: Model>(instance: Instance<M>, logger: Logger) -> usize {
+pub(crate) fn insert<M: FmuModel>(instance: Instance<M>, logger: Logger) -> usize {
     let handle = STRIDE * NEXT.fetch_add(1, Ordering::Relaxed);
     let entry = Arc::new(Entry { instance: Mutex::new(instance), logger });
     ENTRIES.write().unwrap_or_else(PoisonError::into_inner).insert(handle, entry);
     handle
 }
 
-pub(crate) fn find<M: Model>(handle: usize) -> Option<Arc<Entry<M>>> {
+pub(crate) fn find<M: FmuModel>(handle: usize) -> Option<Arc<Entry<M>>> {
     let entries = ENTRIES.read().unwrap_or_else(PoisonError::into_inner);
     let entry = entries.get(&handle)?.clone();
     drop(entries);

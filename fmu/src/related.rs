@@ -8,9 +8,9 @@ use crate::controller::ControllerFmu;
 use crate::description::Version;
 use crate::instance::Instance;
 use crate::log::Filter;
-use crate::model::Model;
+use crate::model::FmuModel;
 use crate::pack::PackError;
-use crate::status::Fault;
+use crate::status::CallError;
 use crate::system::{self, Element, Ssp};
 use crate::vehicle::VehicleFmu;
 use crate::xml::{Xml, number};
@@ -36,10 +36,10 @@ pub(crate) struct Related {
 }
 
 /// One FMU driven from here.
-struct Driven<M: Model>(Instance<M>);
+struct Driven<M: FmuModel>(Instance<M>);
 
-impl<M: Model> Driven<M> {
-    fn start() -> Result<Self, Fault> {
+impl<M: FmuModel> Driven<M> {
+    fn start() -> Result<Self, CallError> {
         let mut fmu = Instance::new(Version::Fmi3, None, Filter::new(false));
         fmu.enter_initialization("reference")?;
         fmu.exit_initialization("reference")?;
@@ -51,17 +51,21 @@ impl<M: Model> Driven<M> {
         names.map(|name| variables.iter().position(|v| v.name == name).unwrap_or_default() as u32)
     }
 
-    fn get<const N: usize>(&mut self, names: &[&str; N]) -> Result<[f64; N], Fault> {
+    fn get<const N: usize>(&mut self, names: &[&str; N]) -> Result<[f64; N], CallError> {
         let mut values = [0.0; N];
         self.0.get("reference", &Self::references(names), &mut values)?;
         Ok(values)
     }
 
-    fn set<const N: usize>(&mut self, names: &[&str; N], values: &[f64; N]) -> Result<(), Fault> {
+    fn set<const N: usize>(
+        &mut self,
+        names: &[&str; N],
+        values: &[f64; N],
+    ) -> Result<(), CallError> {
         self.0.set("reference", &Self::references(names), values)
     }
 
-    fn step(&mut self, k: usize) -> Result<(), Fault> {
+    fn step(&mut self, k: usize) -> Result<(), CallError> {
         self.0.do_step("reference", self.0.core.time, (k + 1) as f64 * STEP - self.0.core.time)
     }
 }
@@ -90,7 +94,7 @@ pub(crate) fn related() -> Result<Related, PackError> {
     race().map_err(|fault| PackError::Related(fault.to_string()))
 }
 
-fn race() -> Result<Related, Fault> {
+fn race() -> Result<Related, CallError> {
     let mut controller = Driven::<ControllerFmu>::start()?;
     let mut vehicle = Driven::<VehicleFmu>::start()?;
     let (mut states, mut commands) = (Table::new(&STATE), Table::new(&COMMAND));

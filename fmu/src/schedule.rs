@@ -9,12 +9,12 @@ const SINGLE: f64 = f32::EPSILON as f64;
 /// Fires every period, counted from the start of the simulation in integer ticks: the sum of
 /// many inexact communication steps never moves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Schedule {
+pub struct TickSchedule {
     period: i64,
     next: i64,
 }
 
-impl Schedule {
+impl TickSchedule {
     /// A schedule whose first event is at the start of the simulation; period in seconds.
     ///
     /// Returns `None` unless the period is a finite number of at least one tick.
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn inexact_steps_do_not_move_the_events() {
-        let mut schedule = Schedule::new(0.1).unwrap();
+        let mut schedule = TickSchedule::new(0.1).unwrap();
         let (mut time, mut events) = (0.0, Vec::new());
         for k in 0..30_000 {
             time += 0.01;
@@ -92,14 +92,14 @@ mod tests {
         let expected: Vec<i32> = (0..3_000).map(|k| 10 * k).collect();
         assert_eq!(events, expected);
         assert_eq!(schedule.count(), 3_000);
-        assert_eq!(Schedule::resumed(0.1, 3_000), Some(schedule));
+        assert_eq!(TickSchedule::resumed(0.1, 3_000), Some(schedule));
     }
 
     #[test]
     fn steps_in_single_precision_hit_the_same_events() {
         for (size, per_period) in [(0.1_f32, 1), (0.05, 2), (0.02, 5), (0.01, 10)] {
             let size = f64::from(size);
-            let mut schedule = Schedule::new(0.1).unwrap();
+            let mut schedule = TickSchedule::new(0.1).unwrap();
             assert!(!schedule.too_long(size) && schedule.divides(size), "{size}");
             for k in 0..20_000 {
                 let due = schedule.due_before(f64::from(k + 1) * size, size);
@@ -110,20 +110,20 @@ mod tests {
 
     #[test]
     fn only_whole_parts_divide_the_period() {
-        let schedule = Schedule::new(0.1).unwrap();
+        let schedule = TickSchedule::new(0.1).unwrap();
         let all = [0.1, 0.1 / 3.0, 0.01, 1e-3, 0.03, 0.099, 0.06, 7e-3];
         let divides = all.map(|size| schedule.divides(size));
         assert_eq!(divides, [true, true, true, true, false, false, false, false]);
         let third = 1.0 / 3.0;
-        assert!(Schedule::new(third).unwrap().divides(third));
+        assert!(TickSchedule::new(third).unwrap().divides(third));
     }
 
     #[test]
     fn only_steps_beyond_the_period_are_too_long() {
-        let schedule = Schedule::new(0.1).unwrap();
+        let schedule = TickSchedule::new(0.1).unwrap();
         assert!(!schedule.too_long(0.1) && !schedule.too_long(0.1 + 1e-12));
         assert!(schedule.too_long(0.100_001));
-        assert_eq!(Schedule::new(0.0), None);
-        assert_eq!(Schedule::new(f64::NAN), None);
+        assert_eq!(TickSchedule::new(0.0), None);
+        assert_eq!(TickSchedule::new(f64::NAN), None);
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::controller::ControllerFmu;
 use crate::description::{Description, Version};
-use crate::model::Model;
+use crate::model::FmuModel;
 use crate::pack::{Binary, PackError, Platform, pack_with, write_zip};
 use crate::related::{Related, related};
 use crate::system::{self, Element, Ssp};

@@ -3,7 +3,7 @@
 /// Status codes shared by FMI 2.0 (`fmi2Status`) and FMI 3.0 (`fmi3Status`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
-pub enum Status {
+pub enum FmiStatus {
     /// All well.
     Ok = 0,
     /// Done, but the host's user should read the message.
@@ -16,7 +16,7 @@ pub enum Status {
     Fatal = 4,
 }
 
-impl Status {
+impl FmiStatus {
     /// The log category a message of this status belongs to (names fixed by both standards).
     #[must_use]
     pub fn category(self) -> &'static str {
@@ -32,7 +32,7 @@ impl Status {
 
 /// Why a call was not carried out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Fault {
+pub enum CallError {
     /// The step was not taken and nothing changed; a smaller one may succeed. Status *discard*.
     #[error("{0}")]
     Discard(String),
@@ -48,14 +48,14 @@ pub enum Fault {
     Fatal(String),
 }
 
-impl Fault {
+impl CallError {
     /// The status the host gets for this fault.
     #[must_use]
-    pub fn status(&self) -> Status {
+    pub fn status(&self) -> FmiStatus {
         match self {
-            Self::Discard(_) => Status::Discard,
-            Self::Refused(_) | Self::Failed(_) => Status::Error,
-            Self::Fatal(_) => Status::Fatal,
+            Self::Discard(_) => FmiStatus::Discard,
+            Self::Refused(_) | Self::Failed(_) => FmiStatus::Error,
+            Self::Fatal(_) => FmiStatus::Fatal,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The variable table: names for the host, typed slots for the model.
 
 use crate::unit;
-use crate::variable::{Kind, Role, Variable};
+use crate::variable::{Role, Variable, VariableType};
 
 /// Place of a real variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,17 +19,17 @@ pub struct Text(pub(crate) usize);
 /// All variables of a model; a variable's value reference is its place in the table. Place 0 is
 /// the simulation time, which FMI 3.0 importers read as an ordinary variable.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct VariableTable {
     variables: Vec<Variable>,
 }
 
-impl Default for Table {
+impl Default for VariableTable {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Table {
+impl VariableTable {
     /// A table that holds only `time`.
     #[must_use]
     pub fn new() -> Self {
@@ -50,22 +50,22 @@ impl Table {
 
     /// Appends a real variable that was built with its range and start.
     pub fn add_real(&mut self, variable: Variable) -> Real {
-        Real(self.push(variable, Kind::Real))
+        Real(self.push(variable, VariableType::Real))
     }
 
     /// Appends an integer variable.
     pub fn add_integer(&mut self, variable: Variable) -> Integer {
-        Integer(self.push(variable, Kind::Integer))
+        Integer(self.push(variable, VariableType::Integer))
     }
 
     /// Appends a truth value.
     pub fn add_boolean(&mut self, variable: Variable) -> Boolean {
-        Boolean(self.push(variable, Kind::Boolean))
+        Boolean(self.push(variable, VariableType::Boolean))
     }
 
     /// Appends a text.
     pub fn add_text(&mut self, variable: Variable) -> Text {
-        Text(self.push(variable, Kind::Text))
+        Text(self.push(variable, VariableType::Text))
     }
 
     /// Sets smallest and largest values by name; an infinite one leaves the unit's extent.
@@ -79,7 +79,7 @@ impl Table {
         }
     }
 
-    fn push(&mut self, variable: Variable, kind: Kind) -> usize {
+    fn push(&mut self, variable: Variable, kind: VariableType) -> usize {
         // What nothing else bounds is bounded by what is possible in its unit.
         let extent = variable.unit.map(|unit| unit.extent);
         let (min, max) = (variable.min.or(extent.map(|x| -x)), variable.max.or(extent));

@@ -1,19 +1,19 @@
 //! The values behind the variables.
 
-use crate::table::{Boolean, Integer, Real, Table, Text};
+use crate::table::{Boolean, Integer, Real, Text, VariableTable};
 
 /// Current values of all variables. Numbers and truth values share one vector, so that copying
 /// it before a step and putting it back after a failed one costs next to nothing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Values {
+pub struct VariableValues {
     pub(crate) numbers: Vec<f64>,
     pub(crate) texts: Vec<String>,
 }
 
-impl Values {
+impl VariableValues {
     /// The start values of a table.
     #[must_use]
-    pub fn start(table: &Table) -> Self {
+    pub fn start(table: &VariableTable) -> Self {
         let variables = table.variables();
         Self {
             numbers: variables.iter().map(|v| v.start).collect(),

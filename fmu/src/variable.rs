@@ -4,7 +4,7 @@ use crate::unit::Unit;
 
 /// Data type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum VariableType {
     /// Double precision number: `Real` in FMI 2.0, `Float64` in FMI 3.0.
     Real,
     /// Signed 32-bit number: `Integer` in FMI 2.0, `Int32` in FMI 3.0.
@@ -60,7 +60,7 @@ pub struct Variable {
     /// What it is, in one sentence.
     pub description: String,
     /// Data type.
-    pub kind: Kind,
+    pub kind: VariableType,
     /// Causality and variability.
     pub role: Role,
     /// Unit of a real variable.
@@ -78,7 +78,7 @@ pub struct Variable {
 }
 
 impl Variable {
-    fn new(name: &str, kind: Kind, role: Role, description: &str) -> Self {
+    fn new(name: &str, kind: VariableType, role: Role, description: &str) -> Self {
         Self {
             name: name.to_owned(),
             description: description.to_owned(),
@@ -96,25 +96,25 @@ impl Variable {
     /// A real variable with its unit.
     #[must_use]
     pub fn real(name: &str, role: Role, unit: Unit, description: &str) -> Self {
-        Self { unit: Some(unit), ..Self::new(name, Kind::Real, role, description) }
+        Self { unit: Some(unit), ..Self::new(name, VariableType::Real, role, description) }
     }
 
     /// An integer variable.
     #[must_use]
     pub fn integer(name: &str, role: Role, description: &str) -> Self {
-        Self::new(name, Kind::Integer, role, description)
+        Self::new(name, VariableType::Integer, role, description)
     }
 
     /// A truth value.
     #[must_use]
     pub fn boolean(name: &str, role: Role, description: &str) -> Self {
-        Self::new(name, Kind::Boolean, role, description)
+        Self::new(name, VariableType::Boolean, role, description)
     }
 
     /// A text with its start value.
     #[must_use]
     pub fn text(name: &str, role: Role, start: &str, description: &str) -> Self {
-        Self { text: start.to_owned(), ..Self::new(name, Kind::Text, role, description) }
+        Self { text: start.to_owned(), ..Self::new(name, VariableType::Text, role, description) }
     }
 
     /// Sets the start value.

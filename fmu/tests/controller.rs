@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose};
 use fmu_core::c::fmi2::Callbacks;
-use fmu_core::{ControllerFmu, Model};
+use fmu_core::{ControllerFmu, FmuModel};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 fmu_core::export_fmu!(ControllerFmu);

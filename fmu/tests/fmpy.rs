@@ -8,7 +8,7 @@ mod probe;
 use std::path::PathBuf;
 use std::process::Command;
 
-use fmu_core::{Binary, Kind, Model, Platform, Version, inspect, pack};
+use fmu_core::{Binary, FmuModel, Platform, VariableType, Version, inspect, pack};
 use probe::Probe;
 
 fn target() -> PathBuf {
@@ -66,7 +66,7 @@ fn packing_twice_gives_the_same_bytes_and_the_parts_are_there() {
             assert_eq!(row.name, variable.name);
             assert_eq!(row.description, variable.description);
             assert_eq!(row.unit, variable.unit.map_or("", |unit| unit.name));
-            let number = (variable.kind == Kind::Real && variable.role.settable())
+            let number = (variable.kind == VariableType::Real && variable.role.settable())
                 .then(|| row.start.parse::<f64>().unwrap());
             assert!(number.is_none_or(|start| start == variable.start), "{row:?}");
         }

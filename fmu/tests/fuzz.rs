@@ -10,7 +10,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut, without_provenance_mut};
 
 use fmu_core::c::fmi2::Callbacks;
-use fmu_core::{Model, Version};
+use fmu_core::{FmuModel, Version};
 use probe::Probe;
 
 fmu_core::export_fmu!(Probe);

@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use fmu_core::{ControllerFmu, Kind, Model, Role, VehicleFmu};
+use fmu_core::{ControllerFmu, FmuModel, Role, VariableType, VehicleFmu};
 
 const TOP: &str = "# FMU variables
 
@@ -24,16 +24,16 @@ fn role(role: Role) -> &'static str {
     }
 }
 
-fn kind(kind: Kind) -> &'static str {
+fn kind(kind: VariableType) -> &'static str {
     match kind {
-        Kind::Real => "real",
-        Kind::Integer => "integer",
-        Kind::Boolean => "boolean",
-        Kind::Text => "text",
+        VariableType::Real => "real",
+        VariableType::Integer => "integer",
+        VariableType::Boolean => "boolean",
+        VariableType::Text => "text",
     }
 }
 
-fn section<M: Model>() -> String {
+fn section<M: FmuModel>() -> String {
     let description = M::description();
     let mut text = format!("\n## {}\n\n{}\n", description.model_name, description.description);
     text.push_str(

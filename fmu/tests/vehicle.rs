@@ -5,7 +5,7 @@ use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Arc;
 
-use fmu_core::{Model, VehicleFmu};
+use fmu_core::{FmuModel, VehicleFmu};
 use vehicle_model::{CarParams, GripChange, Input, Plant, PlantParams, State, Track};
 
 fmu_core::export_fmu!(VehicleFmu);

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use studies::campaign::{Campaign as Inner, Case, Columns, Row, Rows, drive};
+use studies::campaign::{
+    Campaign as Inner, CampaignCase, CampaignColumns, CampaignRow, Rows, drive,
+};
 
 use crate::errors::{CampaignError, raise};
 
@@ -20,11 +22,11 @@ use crate::errors::{CampaignError, raise};
 #[pyclass(frozen, module = "racing_lmpc")]
 pub(crate) struct Campaign {
     inner: Arc<Inner>,
-    columns: Columns,
+    columns: CampaignColumns,
 }
 
 impl Campaign {
-    fn case(&self, number: usize) -> PyResult<&Case> {
+    fn case(&self, number: usize) -> PyResult<&CampaignCase> {
         let cases = &self.inner.cases;
         let missing = || anyhow::anyhow!("no run {number}, expected one of {}", cases.len());
         cases
@@ -88,7 +90,7 @@ impl Campaign {
     ///         writes to it, or it cannot be written.
     #[pyo3(signature = (folder, fresh = false))]
     fn open(&self, folder: PathBuf, fresh: bool) -> PyResult<CampaignTable> {
-        let cases: Vec<&Case> = self.inner.cases.iter().collect();
+        let cases: Vec<&CampaignCase> = self.inner.cases.iter().collect();
         let rows =
             Rows::open(&folder, &self.inner, &cases, fresh).map_err(raise::<CampaignError>)?;
         Ok(CampaignTable { campaign: Arc::clone(&self.inner), rows: Some(rows) })
@@ -120,7 +122,8 @@ impl CampaignTable {
     fn add(&mut self, fields: Vec<String>) -> PyResult<()> {
         let campaign = &self.campaign;
         let rows = self.rows.as_mut().ok_or_else(closed)?;
-        let row = Row::of(fields, campaign, rows.columns()).map_err(raise::<CampaignError>)?;
+        let row =
+            CampaignRow::of(fields, campaign, rows.columns()).map_err(raise::<CampaignError>)?;
         if rows.done().contains(&row.number()) {
             return Ok(());
         }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use controller::config::keys::Value;
-use hosting::settings::{Layers, Origin};
+use controller::config::keys::ConfigValue;
+use hosting::settings::{Layers, SettingOrigin};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
@@ -61,13 +61,13 @@ impl Config {
 
     fn preset(&mut self, name: &str) -> PyResult<()> {
         let text = format!("preset = {name:?}");
-        self.layers.text(&text, Origin::CommandLine).map_err(raise::<ConfigError>)?;
+        self.layers.text(&text, SettingOrigin::CommandLine).map_err(raise::<ConfigError>)?;
         self.made.push(("preset".to_owned(), format!("{name:?}")));
         Ok(())
     }
 
     fn file(&mut self, text: &str, name: &str) -> PyResult<()> {
-        let origin = Origin::File(name.to_owned());
+        let origin = SettingOrigin::File(name.to_owned());
         self.layers
             .text(text, origin)
             .map_err(|error| PyErr::new::<ConfigError, _>(format!("{name}: {error:#}")))?;
@@ -188,11 +188,11 @@ impl Config {
         let all = PyDict::new(py);
         for setting in self.layers.explain(&config) {
             let value = match setting.value {
-                Value::Count(count) => count.into_py_any(py)?,
-                Value::Number(number) => number.into_py_any(py)?,
-                Value::Switch(on) => on.into_py_any(py)?,
-                Value::Word(word) => word.into_py_any(py)?,
-                Value::Numbers(numbers) => numbers.to_vec().into_py_any(py)?,
+                ConfigValue::Count(count) => count.into_py_any(py)?,
+                ConfigValue::Number(number) => number.into_py_any(py)?,
+                ConfigValue::Switch(on) => on.into_py_any(py)?,
+                ConfigValue::Word(word) => word.into_py_any(py)?,
+                ConfigValue::Numbers(numbers) => numbers.to_vec().into_py_any(py)?,
             };
             let origin = setting.origin.to_string().into_py_any(py)?;
             all.set_item(setting.key.dotted(), pick(value, origin))?;

@@ -4,7 +4,7 @@ use controller::learning::dataset::Lap;
 use numpy::{IntoPyArray, PyFixedUnicode};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use racing::columns::{Column, Value};
+use racing::columns::{Column, ColumnValue};
 use racing::words::kind_word;
 
 use crate::arrays::{rows, state_numbers};
@@ -20,7 +20,7 @@ pub(crate) fn columns<'py, T>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     for column in columns {
-        let values: Vec<Value> = table.iter().map(column.of).collect();
+        let values: Vec<ColumnValue> = table.iter().map(column.of).collect();
         all.set_item(column.name, array(py, &values)?)?;
     }
     Ok(all)
@@ -35,14 +35,14 @@ pub(crate) fn row<'py, T>(
     let all = PyDict::new(py);
     for column in columns {
         match (column.of)(row) {
-            Value::Number(number) => all.set_item(column.name, number)?,
-            Value::Maybe(number) => {
+            ColumnValue::Number(number) => all.set_item(column.name, number)?,
+            ColumnValue::Maybe(number) => {
                 all.set_item(column.name, (!number.is_nan()).then_some(number))?;
             }
-            Value::Count(count) => all.set_item(column.name, count)?,
-            Value::MaybeCount(count) => all.set_item(column.name, count)?,
-            Value::Word(word) => all.set_item(column.name, word)?,
-            Value::Switch(on) => all.set_item(column.name, on)?,
+            ColumnValue::Count(count) => all.set_item(column.name, count)?,
+            ColumnValue::MaybeCount(count) => all.set_item(column.name, count)?,
+            ColumnValue::Word(word) => all.set_item(column.name, word)?,
+            ColumnValue::Switch(on) => all.set_item(column.name, on)?,
         }
     }
     Ok(all)
@@ -50,18 +50,19 @@ pub(crate) fn row<'py, T>(
 
 /// One column: numbers as float64, counts as int64, words as text, switches as bool. A count that there
 /// may be none of is float64 with nan for none.
-fn array<'py>(py: Python<'py>, values: &[Value]) -> PyResult<Bound<'py, PyAny>> {
+fn array<'py>(py: Python<'py>, values: &[ColumnValue]) -> PyResult<Bound<'py, PyAny>> {
     Ok(match values.first() {
-        Some(Value::Count(_)) => {
+        Some(ColumnValue::Count(_)) => {
             let counts: Vec<i64> = values.iter().map(|v| count(*v)).collect();
             counts.into_pyarray(py).into_any()
         }
-        Some(Value::Word(_)) => {
+        Some(ColumnValue::Word(_)) => {
             let words: Vec<PyFixedUnicode<WORD>> = values.iter().map(|v| word(*v)).collect();
             words.into_pyarray(py).into_any()
         }
-        Some(Value::Switch(_)) => {
-            let switches: Vec<bool> = values.iter().map(|v| *v == Value::Switch(true)).collect();
+        Some(ColumnValue::Switch(_)) => {
+            let switches: Vec<bool> =
+                values.iter().map(|v| *v == ColumnValue::Switch(true)).collect();
             switches.into_pyarray(py).into_any()
         }
         _ => {
@@ -71,24 +72,24 @@ fn array<'py>(py: Python<'py>, values: &[Value]) -> PyResult<Bound<'py, PyAny>> 
     })
 }
 
-fn count(value: Value) -> i64 {
+fn count(value: ColumnValue) -> i64 {
     match value {
-        Value::Count(count) => i64::try_from(count).unwrap_or(i64::MAX),
+        ColumnValue::Count(count) => i64::try_from(count).unwrap_or(i64::MAX),
         _ => 0,
     }
 }
 
 /// The number as it is, also if it is not finite.
-fn number(value: Value) -> f64 {
+fn number(value: ColumnValue) -> f64 {
     match value {
-        Value::Number(number) | Value::Maybe(number) => number,
+        ColumnValue::Number(number) | ColumnValue::Maybe(number) => number,
         other => other.number().unwrap_or(f64::NAN),
     }
 }
 
-fn word(value: Value) -> PyFixedUnicode<WORD> {
+fn word(value: ColumnValue) -> PyFixedUnicode<WORD> {
     let mut letters = [0_u32; WORD];
-    if let Value::Word(word) = value {
+    if let ColumnValue::Word(word) = value {
         for (to, from) in letters.iter_mut().zip(word.chars()) {
             *to = u32::from(from);
         }

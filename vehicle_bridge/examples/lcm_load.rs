@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_nanosleep};
-use transport::{Filter, Inbox, Message, Transport};
+use transport::{Filter, Inbox, ReceivedMessage, Transport};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let url = std::env::var("LCM_LOAD_URL").unwrap_or_else(|_| transport::DEFAULT_URL.to_owned());
@@ -67,7 +67,7 @@ impl Seen {
 fn subscribe(network: &dyn Transport) -> Result<(), Box<dyn Error>> {
     let (end, ended) = channel();
     let mut seen = Seen::default();
-    let sink = move |message: &Message<'_>| match message.channel {
+    let sink = move |message: &ReceivedMessage<'_>| match message.channel {
         "LOAD" => seen.add(message.payload),
         // The main thread is gone after the first end: nobody is left to be told.
         _ => drop(end.send(std::mem::take(&mut seen))),

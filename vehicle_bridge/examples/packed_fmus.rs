@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
 use vehicle_host::Vehicle;
-use vehicle_host::fmu::{CoSimInstance, FmuOptions, FmuVehicle, Value, Variable};
+use vehicle_host::fmu::{CoSimInstance, FmuOptions, FmuVehicle, ImportedVariable, VariableValue};
 use vehicle_model::{CarParams, Input, Plant, PlantParams, State, Track};
 
 const STEPS: usize = 400;
@@ -52,13 +52,13 @@ fn drives_as_the_native_plant(file: &Path) {
 
 fn commands_as_the_native_controller(file: &Path) {
     let mut fmu = CoSimInstance::open(file, None).unwrap();
-    let find = |fmu: &CoSimInstance, names: &[&str]| -> Vec<Variable> {
+    let find = |fmu: &CoSimInstance, names: &[&str]| -> Vec<ImportedVariable> {
         names.iter().map(|name| fmu.variable(name).unwrap()).collect()
     };
     let (state, command) = (find(&fmu, &STATE), find(&fmu, &["cmd.a", "cmd.delta"]));
     // One initial lap, so that most of the steps are learned ones.
     let laps = fmu.variable("param.warm_up.laps").unwrap();
-    fmu.set(&laps, &Value::Number(1.0)).unwrap();
+    fmu.set(&laps, &VariableValue::Number(1.0)).unwrap();
     fmu.begin().unwrap();
 
     let (car, track) = car_and_track();

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use lcm_types::eventlog::Writer;
+use lcm_types::eventlog::EventWriter;
 use lcm_types::{
     ActuationCommand, ActuationReport, Checked as _, Header, Message as _, MpcTelemetry, PredPoint,
     VehicleState, channels,
@@ -47,7 +47,7 @@ fn telemetry(n: i16) -> MpcTelemetry {
 }
 
 fn log() -> Vec<u8> {
-    let mut log = Writer::new(Vec::new());
+    let mut log = EventWriter::new(Vec::new());
     let mut bytes = Vec::new();
     for n in 0..STEPS {
         let utime = 1_700_000_000_000_000 + i64::from(n) * 100_001;
@@ -133,7 +133,7 @@ fn foreign_types_come_from_files_and_a_silent_channel_is_an_error() {
     let pose = schema.zero("bot.pose_t").unwrap();
     let mut message = Vec::new();
     schema.encode_into("bot.pose_t", &pose, &mut message).unwrap();
-    let mut log = Writer::new(Vec::new());
+    let mut log = EventWriter::new(Vec::new());
     log.write(5, "POSE", &message).unwrap();
     let log = log.into_inner();
     let arguments = ["--csv", "out", "--types", "pose.lcm"];
@@ -148,7 +148,7 @@ fn foreign_types_come_from_files_and_a_silent_channel_is_an_error() {
 /// The smallest drive that shows everything: a track, a state, a step, a command and its report.
 fn drive() -> Vec<u8> {
     let track = vehicle_model::Track::builtin("l").unwrap();
-    let mut log = Writer::new(Vec::new());
+    let mut log = EventWriter::new(Vec::new());
     let mut bytes = Vec::new();
     let posed = VehicleState { valid: VehicleState::POSE, x: 1.25, yaw: 0.5, ..state(7) };
     posed.seal_into(&mut bytes).unwrap();

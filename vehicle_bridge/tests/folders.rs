@@ -1,16 +1,12 @@
 //! Folders of results are looked at before the work.
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its files has failed")]
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::fs;
-use std::process::{Command, Output};
 
-fn lmpc(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use command::{lmpc, text};
 
 #[test]
 fn a_folder_that_cannot_be_written_is_named_before_the_work() {

@@ -3,17 +3,16 @@
 //! `make generated` writes the files anew; the difference then shows in the commit.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "code of tests")]
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use clap::CommandFactory as _;
+use command::lmpc;
 use command_line::Cli;
-
-fn lmpc(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
 
 /// Runs a command that writes into a folder of its own.
 fn written(arguments: &[&str], codes: &[i32]) -> tempfile::TempDir {

@@ -4,12 +4,13 @@
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
+use command::lmpc;
 use common::{MULTICAST, Program, URL, isolated};
-use lcm_types::eventlog::Writer;
+use lcm_types::eventlog::EventWriter;
 use lcm_types::{
     ActuationCommand, ActuationReport, Checked as _, Header, LapResult, Message as _, VehicleState,
     channels,
@@ -21,6 +22,8 @@ use transport::{Filter, Inbox};
 use vehicle_model::plant::SensorNoise;
 use vehicle_model::{CarParams, GlobalState, Input, Plant, PlantParams, State, Track};
 
+#[path = "common/command.rs"]
+mod command;
 mod common;
 
 const PERIOD: f64 = 0.1;
@@ -113,7 +116,7 @@ fn best(rows: &[Row]) -> f64 {
 
 /// As a bridge of the car would have had it logged.
 fn write_log(path: &Path, rows: &[Row]) {
-    let mut log = Writer::new(File::create(path).unwrap());
+    let mut log = EventWriter::new(File::create(path).unwrap());
     let mut bytes = Vec::new();
     for (seq, row) in rows.iter().enumerate() {
         let at =
@@ -173,10 +176,6 @@ fn write_commands(path: &Path, rows: &[Row]) {
         write!(out, "{time},{},{},{},", place.0, place.1, place.2).unwrap();
         writeln!(out, "{},{},{},{},{}", speeds.0, speeds.1, speeds.2, u.a, u.delta).unwrap();
     }
-}
-
-fn lmpc(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lmpc")).args(arguments).env("NO_COLOR", "1").output().unwrap()
 }
 
 /// Learns from a file, races on from it, and returns account and the learned laps' times \[s\].

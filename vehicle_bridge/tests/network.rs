@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use common::{MULTICAST, Program, URL, isolated};
 use controller::{Action, Config, Controller};
-use lcm_types::eventlog::Writer;
+use lcm_types::eventlog::EventWriter;
 use lcm_types::{ActuationCommand, Checked as _, SeqNumber, VehicleState, channels};
 use racing::{Race, RaceOptions, change_plant};
 use services::replay::replay;
@@ -99,7 +99,7 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
         let learned = race.steps.iter().filter(|row| row.status.action == Action::Learned).count();
         assert!(learned >= 150, "{learned} learned steps");
         // Every state behind its command: the order in which a recorder can hear them at worst.
-        let mut log = Writer::new(Vec::new());
+        let mut log = EventWriter::new(Vec::new());
         let mut keep = |received: &transport::Received| {
             log.write(0, &received.channel, &received.payload).unwrap();
         };

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use common::{MULTICAST, URL, isolated};
-use lcm_types::eventlog::{Event, Reader, Writer};
+use lcm_types::eventlog::{Event, EventReader, EventWriter};
 use lcm_types::{Checked, Header, Message, VehicleState, channels};
 use transport::{Filter, Inbox};
 
@@ -22,7 +22,7 @@ fn file(name: &str) -> PathBuf {
 }
 
 fn events(path: &PathBuf) -> Vec<Event> {
-    Reader::new(File::open(path).unwrap()).collect::<Result<_, _>>().unwrap()
+    EventReader::new(File::open(path).unwrap()).collect::<Result<_, _>>().unwrap()
 }
 
 /// A sealed state of the car, number `seq`.
@@ -71,7 +71,7 @@ fn lcm_logger_records_what_we_send() {
 fn lcm_logplayer_plays_what_we_write() {
     isolated("lcm_logplayer_plays_what_we_write", MULTICAST, URL, || {
         let path = file("written");
-        let mut log = Writer::new(File::create(&path).unwrap());
+        let mut log = EventWriter::new(File::create(&path).unwrap());
         let states: Vec<Vec<u8>> = (0..200).map(state).collect();
         for (utime, bytes) in (1_700_000_000_000_000..).step_by(2_000).zip(&states) {
             log.write(utime, channels::STATE, bytes).unwrap();

@@ -111,7 +111,7 @@ fn a_log_has_every_state_before_its_answer_and_replays() {
         assert!(commands(&messages, channels::COMMAND).len() >= ANSWERS);
         let mut known = std::collections::BTreeSet::new();
         let mut answered = 0;
-        for event in lcm_types::eventlog::Reader::new(std::fs::File::open(&log).unwrap()) {
+        for event in lcm_types::eventlog::EventReader::new(std::fs::File::open(&log).unwrap()) {
             let event = event.unwrap();
             match event.channel.as_str() {
                 channels::STATE => {

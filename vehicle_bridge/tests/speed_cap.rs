@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use common::{MULTICAST, Program, URL, isolated};
 use controller::{Config, Controller};
-use lcm_types::eventlog::Writer;
+use lcm_types::eventlog::EventWriter;
 use lcm_types::{Checked as _, Message as _, OperatorAck, OperatorCommand, VehicleState, channels};
 use protocol::publisher::{Identity, Publisher};
 use services::replay::{Replay, replay};
@@ -44,7 +44,7 @@ fn controller() -> Controller {
 
 /// Replays the messages on the channels that are kept.
 fn again(messages: &[transport::Received], keep: impl Fn(&str) -> bool) -> Replay {
-    let mut log = Writer::new(Vec::new());
+    let mut log = EventWriter::new(Vec::new());
     for message in messages.iter().filter(|m| keep(&m.channel)) {
         log.write(message.arrival.utime, &message.channel, &message.payload).unwrap();
     }

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use common::{MULTICAST, URL, isolated};
-use transport::{Filter, Inbox, MAX_MESSAGE, Message, Transport};
+use transport::{Filter, Inbox, MAX_MESSAGE, ReceivedMessage, Transport};
 
 mod common;
 
@@ -130,7 +130,7 @@ fn a_sink_may_publish_and_the_thread_start_runs_first() {
         let answers = subscribed(&*network, "ANSWER", Inbox::latest());
         assert_eq!(told.recv_timeout(PATIENCE).unwrap().as_deref(), Some("lcm-udpm"));
         let answering = std::sync::Arc::clone(&network);
-        let answer = move |message: &Message<'_>| {
+        let answer = move |message: &ReceivedMessage<'_>| {
             answering.publish("ANSWER", message.payload).unwrap();
         };
         let asking = transport::open(URL, None).unwrap();
@@ -229,7 +229,7 @@ fn a_file_written_through_liblcm_is_a_log() {
             network.publish("A", &[number]).unwrap();
         }
         drop(network); // sends what is queued, closes the file
-        let log = lcm_types::eventlog::Reader::new(std::fs::File::open(&path).unwrap());
+        let log = lcm_types::eventlog::EventReader::new(std::fs::File::open(&path).unwrap());
         let events: Vec<_> = log.collect::<Result<_, _>>().unwrap();
         let data: Vec<u8> = events.iter().flat_map(|e| e.data.clone()).collect();
         assert_eq!(data, (0..20).collect::<Vec<u8>>());

@@ -19,7 +19,7 @@ use crate::params::{CarParams, ParamProblem};
 use crate::state::{GlobalState, Input, State};
 use crate::track::Track;
 
-use actuator::Actuators;
+use actuator::PlantActuators;
 pub use disturbance::{Disturbance, GripChange};
 use noise::NoiseStream;
 pub use noise::SensorNoise;
@@ -80,7 +80,7 @@ pub struct PlantState {
     time: f64,
     /// State with s growing over the laps.
     x: State,
-    actuators: Actuators,
+    actuators: PlantActuators,
     sensors: NoiseStream,
     process: NoiseStream,
 }
@@ -121,7 +121,7 @@ impl Plant {
     /// [`Plant::reset`] with the actuators already at `position`.
     pub fn reset_at(&mut self, initial: State, position: Input) {
         self.reset(initial);
-        self.state.actuators = Actuators::at(position);
+        self.state.actuators = PlantActuators::at(position);
     }
 
     /// Changes what acts on the car beside its inputs, from now on: its state stays.
@@ -306,7 +306,7 @@ impl PlantState {
         Self {
             time: 0.0,
             x,
-            actuators: Actuators::default(),
+            actuators: PlantActuators::default(),
             sensors: NoiseStream::new(seed, 1),
             process: NoiseStream::new(seed, 2),
         }

@@ -15,11 +15,15 @@ pub struct Section {
     pub name: &'static str,
     about: &'static str,
     /// Its keys, in the order of the struct.
-    pub keys: &'static [Key],
+    pub keys: &'static [ConfigKey],
 }
 
 impl Section {
-    pub(super) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Self {
+    pub(super) const fn new(
+        name: &'static str,
+        about: &'static str,
+        keys: &'static [ConfigKey],
+    ) -> Self {
         Self { name, about, keys }
     }
 
@@ -32,7 +36,7 @@ impl Section {
 
 /// A key of a configuration file.
 #[derive(Debug, Clone, Copy)]
-pub struct Key {
+pub struct ConfigKey {
     /// Section it stands in.
     pub section: &'static str,
     /// Name within the section.
@@ -42,16 +46,16 @@ pub struct Key {
     /// Unit; empty for words, switches, counts and numbers without one.
     pub unit: &'static str,
     /// What the value is.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Least and greatest allowed value, or entry of an array.
     pub range: Option<[f64; 2]>,
     /// Where the value comes from unless it is given.
     pub derivation: Derivation,
     pub(super) meaning: &'static str,
-    pub(super) value: fn(&Config) -> Value<'_>,
+    pub(super) value: fn(&Config) -> ConfigValue<'_>,
 }
 
-impl Key {
+impl ConfigKey {
     /// What the value does.
     #[must_use]
     pub fn meaning(&self) -> &'static str {
@@ -60,7 +64,7 @@ impl Key {
 
     /// The value in a configuration.
     #[must_use]
-    pub fn value<'a>(&self, config: &'a Config) -> Value<'a> {
+    pub fn value<'a>(&self, config: &'a Config) -> ConfigValue<'a> {
         (self.value)(config)
     }
 
@@ -101,7 +105,7 @@ impl Choice {
 
 /// What the value of a key is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A whole number.
     Count,
     /// A number.
@@ -116,7 +120,7 @@ pub enum Kind {
 
 /// The value of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value<'a> {
+pub enum ConfigValue<'a> {
     /// A whole number.
     Count(u64),
     /// A number.
@@ -130,7 +134,7 @@ pub enum Value<'a> {
 }
 
 /// As in a TOML file; a precision is the number of significant digits.
-impl fmt::Display for Value<'_> {
+impl fmt::Display for ConfigValue<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Count(value) => write!(f, "{value}"),
@@ -158,16 +162,16 @@ fn number(value: f64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
 
 /// A type that a key can have.
 pub(crate) trait Setting {
-    const KIND: Kind;
-    fn value(&self) -> Value<'_>;
+    const KIND: ValueKind;
+    fn value(&self) -> ConfigValue<'_>;
 }
 
 macro_rules! setting {
     ($($type:ty, $kind:expr, $value:expr;)*) => {$(
         impl Setting for $type {
-            const KIND: Kind = $kind;
-            fn value(&self) -> Value<'_> {
-                let value: fn(&Self) -> Value<'_> = $value;
+            const KIND: ValueKind = $kind;
+            fn value(&self) -> ConfigValue<'_> {
+                let value: fn(&Self) -> ConfigValue<'_> = $value;
                 value(self)
             }
         }
@@ -180,13 +184,13 @@ const METRIC: &[&str] = &["v_x", "v_y", "omega_z", "a", "delta"];
 const STATE: &[&str] = &["v_x", "v_y", "omega_z", "e_psi", "s", "e_y"];
 
 setting! {
-    usize, Kind::Count, |v| Value::Count(*v as u64);
-    u32, Kind::Count, |v| Value::Count(u64::from(*v));
-    u64, Kind::Count, |v| Value::Count(*v);
-    f64, Kind::Number, |v| Value::Number(*v);
-    bool, Kind::Switch, |v| Value::Switch(*v);
-    [f64; 5], Kind::Numbers(METRIC), |v| Value::Numbers(v);
-    [f64; 6], Kind::Numbers(STATE), |v| Value::Numbers(v);
+    usize, ValueKind::Count, |v| ConfigValue::Count(*v as u64);
+    u32, ValueKind::Count, |v| ConfigValue::Count(u64::from(*v));
+    u64, ValueKind::Count, |v| ConfigValue::Count(*v);
+    f64, ValueKind::Number, |v| ConfigValue::Number(*v);
+    bool, ValueKind::Switch, |v| ConfigValue::Switch(*v);
+    [f64; 5], ValueKind::Numbers(METRIC), |v| ConfigValue::Numbers(v);
+    [f64; 6], ValueKind::Numbers(STATE), |v| ConfigValue::Numbers(v);
 }
 
 /// Makes a section of the configuration: its struct and the rows of the table of keys.
@@ -227,7 +231,7 @@ macro_rules! section {
                 $crate::config::keys::Section::new(
                     stringify!($section),
                     concat!($($about),*),
-                    &[$($crate::config::keys::Key {
+                    &[$($crate::config::keys::ConfigKey {
                         section: stringify!($section),
                         name: $key,
                         symbol: $symbol,
@@ -276,9 +280,9 @@ macro_rules! choice {
         }
 
         impl $crate::config::keys::Setting for $name {
-            const KIND: $crate::config::keys::Kind = $crate::config::keys::Kind::Choice(Self::CHOICES);
-            fn value(&self) -> $crate::config::keys::Value<'_> {
-                $crate::config::keys::Value::Word(self.word())
+            const KIND: $crate::config::keys::ValueKind = $crate::config::keys::ValueKind::Choice(Self::CHOICES);
+            fn value(&self) -> $crate::config::keys::ConfigValue<'_> {
+                $crate::config::keys::ConfigValue::Word(self.word())
             }
         }
     };

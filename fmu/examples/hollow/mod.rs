@@ -3,37 +3,37 @@
 
 use std::marker::PhantomData;
 
-use fmu_core::{Description, Fault, Io, Model, Step};
+use fmu_core::{CallError, CommunicationStep, Description, FmuModel, Io};
 
 /// The variables of `M`, at their start values for ever.
 pub(crate) struct Hollow<M>(PhantomData<fn() -> M>);
 
-impl<M: Model> Model for Hollow<M> {
+impl<M: FmuModel> FmuModel for Hollow<M> {
     type State = ();
 
     fn description() -> &'static Description {
         M::description()
     }
 
-    fn start(_: &mut Io<'_>) -> Result<Self, Fault> {
+    fn start(_: &mut Io<'_>) -> Result<Self, CallError> {
         Ok(Self(PhantomData))
     }
 
-    fn step(&mut self, _: &mut Io<'_>, _: &Step) -> Result<(), Fault> {
+    fn step(&mut self, _: &mut Io<'_>, _: &CommunicationStep) -> Result<(), CallError> {
         Ok(())
     }
 
     fn state(&self) {}
 
-    fn resume(&mut self, (): &()) -> Result<(), Fault> {
+    fn resume(&mut self, (): &()) -> Result<(), CallError> {
         Ok(())
     }
 
-    fn save((): &()) -> Result<Vec<u8>, Fault> {
+    fn save((): &()) -> Result<Vec<u8>, CallError> {
         Ok(Vec::new())
     }
 
-    fn load(_: &[u8]) -> Result<(), Fault> {
+    fn load(_: &[u8]) -> Result<(), CallError> {
         Ok(())
     }
 }

@@ -10,8 +10,8 @@ use super::{call, pointer};
 use crate::description::Version::{self, Fmi2};
 use crate::instance::{Boolean2, Element};
 use crate::log::Filter;
-use crate::model::Model;
-use crate::status::Fault;
+use crate::model::FmuModel;
+use crate::status::CallError;
 
 /// `fmi2CallbackFunctions`.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ const TERMINATED: i32 = 3;
 ///
 /// # Safety
 /// Strings end with a zero byte; `callbacks` is null or points to a `fmi2CallbackFunctions`.
-pub unsafe fn instantiate<M: Model>(
+pub unsafe fn instantiate<M: FmuModel>(
     name: *const c_char,
     kind: i32,
     token: *const c_char,
@@ -56,7 +56,7 @@ pub unsafe fn instantiate<M: Model>(
     let callback = log.map_or(Callback::None, Callback::Fmi2);
     let check = || {
         if kind != CO_SIMULATION {
-            return Err(Fault::Refused("this FMU is for co-simulation only".to_owned()));
+            return Err(CallError::Refused("this FMU is for co-simulation only".to_owned()));
         }
         // SAFETY: the caller's promise.
         let folder = match unsafe { optional_text("resource location", resources) }? {
@@ -78,7 +78,7 @@ pub fn free_instance(component: *mut c_void) {
 ///
 /// # Safety
 /// `categories` points to `n` strings.
-pub unsafe fn set_debug_logging<M: Model>(
+pub unsafe fn set_debug_logging<M: FmuModel>(
     component: *mut c_void,
     version: Version,
     function: &str,
@@ -89,13 +89,13 @@ pub unsafe fn set_debug_logging<M: Model>(
     call::<M>(component, version, function, |instance| {
         // SAFETY: the caller's promise.
         let names = unsafe { pointer::texts("categories", categories, n) }?;
-        instance.filter = Filter::choose(on, &names).map_err(Fault::Refused)?;
+        instance.filter = Filter::choose(on, &names).map_err(CallError::Refused)?;
         Ok(())
     })
 }
 
 /// `fmi2SetupExperiment`.
-pub fn setup_experiment<M: Model>(
+pub fn setup_experiment<M: FmuModel>(
     component: *mut c_void,
     start: f64,
     stop_defined: i32,
@@ -107,13 +107,13 @@ pub fn setup_experiment<M: Model>(
 }
 
 /// `fmi2EnterInitializationMode`.
-pub fn enter_initialization_mode<M: Model>(component: *mut c_void) -> i32 {
+pub fn enter_initialization_mode<M: FmuModel>(component: *mut c_void) -> i32 {
     let name = "fmi2EnterInitializationMode";
     call::<M>(component, Fmi2, name, |instance| instance.enter_initialization(name))
 }
 
 /// `ExitInitializationMode` of either version.
-pub fn exit_initialization_mode<M: Model>(
+pub fn exit_initialization_mode<M: FmuModel>(
     component: *mut c_void,
     version: Version,
     name: &str,
@@ -122,12 +122,12 @@ pub fn exit_initialization_mode<M: Model>(
 }
 
 /// `Terminate` of either version.
-pub fn terminate<M: Model>(component: *mut c_void, version: Version, name: &str) -> i32 {
+pub fn terminate<M: FmuModel>(component: *mut c_void, version: Version, name: &str) -> i32 {
     call::<M>(component, version, name, |instance| instance.terminate(name))
 }
 
 /// `Reset` of either version.
-pub fn reset<M: Model>(component: *mut c_void, version: Version, name: &str) -> i32 {
+pub fn reset<M: FmuModel>(component: *mut c_void, version: Version, name: &str) -> i32 {
     call::<M>(component, version, name, |instance| instance.reset(name))
 }
 
@@ -136,7 +136,7 @@ pub fn reset<M: Model>(component: *mut c_void, version: Version, name: &str) -> 
 /// # Safety
 /// `references` and `values` point to `n` elements each.
 #[allow(private_bounds)]
-pub unsafe fn get<M: Model, T: Element>(
+pub unsafe fn get<M: FmuModel, T: Element>(
     component: *mut c_void,
     name: &str,
     references: *const u32,
@@ -156,7 +156,7 @@ pub unsafe fn get<M: Model, T: Element>(
 ///
 /// # Safety
 /// As for [`get`].
-pub unsafe fn get_boolean<M: Model>(
+pub unsafe fn get_boolean<M: FmuModel>(
     component: *mut c_void,
     references: *const u32,
     n: usize,
@@ -170,7 +170,7 @@ pub unsafe fn get_boolean<M: Model>(
 ///
 /// # Safety
 /// As for [`get`].
-pub unsafe fn get_string<M: Model>(
+pub unsafe fn get_string<M: FmuModel>(
     component: *mut c_void,
     version: Version,
     name: &str,
@@ -192,7 +192,7 @@ pub unsafe fn get_string<M: Model>(
 /// # Safety
 /// `references` and `values` point to `n` elements each.
 #[allow(private_bounds)]
-pub unsafe fn set<M: Model, T: Element>(
+pub unsafe fn set<M: FmuModel, T: Element>(
     component: *mut c_void,
     name: &str,
     references: *const u32,
@@ -212,7 +212,7 @@ pub unsafe fn set<M: Model, T: Element>(
 ///
 /// # Safety
 /// As for [`set`].
-pub unsafe fn set_boolean<M: Model>(
+pub unsafe fn set_boolean<M: FmuModel>(
     component: *mut c_void,
     references: *const u32,
     n: usize,
@@ -226,7 +226,7 @@ pub unsafe fn set_boolean<M: Model>(
 ///
 /// # Safety
 /// As for [`set`]; every string ends with a zero byte.
-pub unsafe fn set_string<M: Model>(
+pub unsafe fn set_string<M: FmuModel>(
     component: *mut c_void,
     version: Version,
     name: &str,
@@ -245,7 +245,7 @@ pub unsafe fn set_string<M: Model>(
 }
 
 /// `fmi2DoStep`.
-pub fn do_step<M: Model>(component: *mut c_void, begin: f64, size: f64) -> i32 {
+pub fn do_step<M: FmuModel>(component: *mut c_void, begin: f64, size: f64) -> i32 {
     let name = "fmi2DoStep";
     call::<M>(component, Fmi2, name, |instance| instance.do_step(name, begin, size))
 }
@@ -254,13 +254,17 @@ pub fn do_step<M: Model>(component: *mut c_void, begin: f64, size: f64) -> i32 {
 ///
 /// # Safety
 /// `value` is null or can be written to.
-pub unsafe fn get_real_status<M: Model>(component: *mut c_void, kind: i32, value: *mut f64) -> i32 {
+pub unsafe fn get_real_status<M: FmuModel>(
+    component: *mut c_void,
+    kind: i32,
+    value: *mut f64,
+) -> i32 {
     let name = "fmi2GetRealStatus";
     call::<M>(component, Fmi2, name, |instance| {
         // SAFETY: the caller's promise.
         let value = unsafe { pointer::out("value", value) }?;
         if kind != LAST_SUCCESSFUL_TIME {
-            return Err(Fault::Discard(format!("{name}: no such status ({kind})")));
+            return Err(CallError::Discard(format!("{name}: no such status ({kind})")));
         }
         *value = instance.core.time;
         Ok(())
@@ -271,7 +275,7 @@ pub unsafe fn get_real_status<M: Model>(component: *mut c_void, kind: i32, value
 ///
 /// # Safety
 /// `value` is null or can be written to.
-pub unsafe fn get_boolean_status<M: Model>(
+pub unsafe fn get_boolean_status<M: FmuModel>(
     component: *mut c_void,
     kind: i32,
     value: *mut i32,
@@ -281,7 +285,7 @@ pub unsafe fn get_boolean_status<M: Model>(
         // SAFETY: the caller's promise.
         let value = unsafe { pointer::out("value", value) }?;
         if kind != TERMINATED {
-            return Err(Fault::Discard(format!("{name}: no such status ({kind})")));
+            return Err(CallError::Discard(format!("{name}: no such status ({kind})")));
         }
         *value = 0;
         Ok(())
@@ -290,8 +294,10 @@ pub unsafe fn get_boolean_status<M: Model>(
 
 /// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: no step is ever pending, so
 /// there is nothing to tell.
-pub fn no_status<M: Model>(component: *mut c_void, name: &str) -> i32 {
+pub fn no_status<M: FmuModel>(component: *mut c_void, name: &str) -> i32 {
     call::<M>(component, Fmi2, name, |_| {
-        Err(Fault::Discard(format!("{name}: steps are never pending, so there is no such status")))
+        Err(CallError::Discard(format!(
+            "{name}: steps are never pending, so there is no such status"
+        )))
     })
 }

@@ -10,15 +10,15 @@ use super::logger::{Callback, Logger, Logger3};
 use super::{call, fmi2, pointer};
 use crate::description::Version::Fmi3;
 use crate::instance::{Boolean3, Element};
-use crate::log::Message;
-use crate::model::Model;
-use crate::status::{Fault, Status};
+use crate::log::LogMessage;
+use crate::model::FmuModel;
+use crate::status::{CallError, FmiStatus};
 
 /// `fmi3InstantiateCoSimulation`.
 ///
 /// # Safety
 /// Strings end with a zero byte.
-pub unsafe fn instantiate<M: Model>(
+pub unsafe fn instantiate<M: FmuModel>(
     name: *const c_char,
     token: *const c_char,
     resources: *const c_char,
@@ -30,7 +30,7 @@ pub unsafe fn instantiate<M: Model>(
     let callback = log.map_or(Callback::None, Callback::Fmi3);
     let folder = || {
         if event_mode {
-            return Err(Fault::Refused("this FMU has no event mode".to_owned()));
+            return Err(CallError::Refused("this FMU has no event mode".to_owned()));
         }
         // SAFETY: the caller's promise.
         Ok(unsafe { optional_text("resource path", resources) }?.map(PathBuf::from))
@@ -46,7 +46,7 @@ pub fn instantiate_unsupported(
     name: &str,
 ) -> *mut c_void {
     let text = format!("{name}: this FMU is for co-simulation only");
-    let message = Message { status: Status::Error, text };
+    let message = LogMessage { status: FmiStatus::Error, text };
     let send = || {
         Logger::new(log.map_or(Callback::None, Callback::Fmi3), environment, "").send(&message);
     };
@@ -56,7 +56,7 @@ pub fn instantiate_unsupported(
 }
 
 /// `fmi3EnterInitializationMode`.
-pub fn enter_initialization_mode<M: Model>(
+pub fn enter_initialization_mode<M: FmuModel>(
     instance: *mut c_void,
     start: f64,
     stop_defined: u8,
@@ -75,7 +75,7 @@ pub fn enter_initialization_mode<M: Model>(
 /// # Safety
 /// `references` points to `n` elements, `values` to `m`.
 #[allow(private_bounds)]
-pub unsafe fn get<M: Model, T: Element>(
+pub unsafe fn get<M: FmuModel, T: Element>(
     instance: *mut c_void,
     name: &str,
     references: *const u32,
@@ -97,7 +97,7 @@ pub unsafe fn get<M: Model, T: Element>(
 ///
 /// # Safety
 /// As for [`get`].
-pub unsafe fn get_boolean<M: Model>(
+pub unsafe fn get_boolean<M: FmuModel>(
     instance: *mut c_void,
     references: *const u32,
     n: usize,
@@ -114,7 +114,7 @@ pub unsafe fn get_boolean<M: Model>(
 /// # Safety
 /// `references` points to `n` elements, `values` to `m`.
 #[allow(private_bounds)]
-pub unsafe fn set<M: Model, T: Element>(
+pub unsafe fn set<M: FmuModel, T: Element>(
     instance: *mut c_void,
     name: &str,
     references: *const u32,
@@ -136,7 +136,7 @@ pub unsafe fn set<M: Model, T: Element>(
 ///
 /// # Safety
 /// As for [`set`].
-pub unsafe fn set_boolean<M: Model>(
+pub unsafe fn set_boolean<M: FmuModel>(
     instance: *mut c_void,
     references: *const u32,
     n: usize,
@@ -151,19 +151,19 @@ pub unsafe fn set_boolean<M: Model>(
 /// `fmi3GetString` and `fmi3SetString` pass two counts; scalars need them equal.
 ///
 /// # Errors
-/// [`Fault::Refused`] naming both.
-fn same_count(name: &str, n: usize, m: usize) -> Result<(), Fault> {
+/// [`CallError::Refused`] naming both.
+fn same_count(name: &str, n: usize, m: usize) -> Result<(), CallError> {
     if n == m {
         return Ok(());
     }
-    Err(Fault::Refused(format!("{name}: {m} values for {n} scalar variables")))
+    Err(CallError::Refused(format!("{name}: {m} values for {n} scalar variables")))
 }
 
 /// `fmi3GetString`.
 ///
 /// # Safety
 /// As for [`get`].
-pub unsafe fn get_string<M: Model>(
+pub unsafe fn get_string<M: FmuModel>(
     instance: *mut c_void,
     references: *const u32,
     n: usize,
@@ -182,7 +182,7 @@ pub unsafe fn get_string<M: Model>(
 ///
 /// # Safety
 /// As for [`set`]; every string ends with a zero byte.
-pub unsafe fn set_string<M: Model>(
+pub unsafe fn set_string<M: FmuModel>(
     instance: *mut c_void,
     references: *const u32,
     n: usize,
@@ -198,7 +198,7 @@ pub unsafe fn set_string<M: Model>(
 }
 
 /// Getters and setters of types that no variable here has: fine for no variable, else refused.
-pub fn no_such_type<M: Model>(instance: *mut c_void, name: &str, n: usize) -> i32 {
+pub fn no_such_type<M: FmuModel>(instance: *mut c_void, name: &str, n: usize) -> i32 {
     call::<M>(instance, Fmi3, name, |instance| {
         if instance.core.phase == crate::instance::Phase::Dead {
             instance.allow(name, &[])?;
@@ -206,7 +206,7 @@ pub fn no_such_type<M: Model>(instance: *mut c_void, name: &str, n: usize) -> i3
         if n == 0 {
             return Ok(());
         }
-        Err(Fault::Refused(format!("{name}: this FMU has no variable of that type")))
+        Err(CallError::Refused(format!("{name}: this FMU has no variable of that type")))
     })
 }
 
@@ -214,7 +214,7 @@ pub fn no_such_type<M: Model>(instance: *mut c_void, name: &str, n: usize) -> i3
 ///
 /// # Safety
 /// `count` is null or can be written to.
-pub unsafe fn none<M: Model>(instance: *mut c_void, name: &str, count: *mut usize) -> i32 {
+pub unsafe fn none<M: FmuModel>(instance: *mut c_void, name: &str, count: *mut usize) -> i32 {
     call::<M>(instance, Fmi3, name, |_| {
         // SAFETY: the caller's promise.
         *unsafe { pointer::out("count", count) }? = 0;
@@ -239,7 +239,7 @@ pub struct StepReport {
 ///
 /// # Safety
 /// The report's pointers are null or can be written to.
-pub unsafe fn do_step<M: Model>(
+pub unsafe fn do_step<M: FmuModel>(
     instance: *mut c_void,
     begin: f64,
     size: f64,

@@ -9,23 +9,23 @@ use super::logger::{Callback, Logger};
 use super::pointer;
 use crate::description::Version;
 use crate::instance::Instance;
-use crate::log::{Filter, Message};
-use crate::model::Model;
+use crate::log::{Filter, LogMessage};
+use crate::model::FmuModel;
 use crate::registry;
-use crate::status::{Fault, Status};
+use crate::status::{CallError, FmiStatus};
 
 /// What both versions do to make an instance; null if anything is wrong.
 ///
 /// # Safety
 /// Strings end with a zero byte.
-pub(super) unsafe fn make<M: Model>(
+pub(super) unsafe fn make<M: FmuModel>(
     version: Version,
     name: *const c_char,
     token: *const c_char,
     callback: Callback,
     environment: *mut c_void,
     logging: bool,
-    folder: impl FnOnce() -> Result<Option<PathBuf>, Fault>,
+    folder: impl FnOnce() -> Result<Option<PathBuf>, CallError>,
 ) -> *mut c_void {
     let floating = FloatingPoint::ours();
     let mut shown = String::from("?");
@@ -37,10 +37,10 @@ pub(super) unsafe fn make<M: Model>(
         let token = unsafe { pointer::text("token", token) }?;
         let expected = M::description().token();
         if name.is_empty() {
-            return Err(Fault::Refused("the instance name is empty".to_owned()));
+            return Err(CallError::Refused("the instance name is empty".to_owned()));
         }
         if token != expected {
-            return Err(Fault::Refused(format!(
+            return Err(CallError::Refused(format!(
                 "token '{token}' does not match this library's '{expected}': \
                  the model description belongs to another build"
             )));
@@ -55,7 +55,7 @@ pub(super) unsafe fn make<M: Model>(
         Ok(Err(fault)) => fault.to_string(),
         Err(payload) => crate::instance::panic_text(&*payload),
     };
-    let message = Message { status: Status::Error, text: format!("instantiate: {fault}") };
+    let message = LogMessage { status: FmiStatus::Error, text: format!("instantiate: {fault}") };
     floating.callers(|| logger.send(&message));
     null_mut()
 }
@@ -67,7 +67,7 @@ pub(super) unsafe fn make<M: Model>(
 pub(super) unsafe fn optional_text<'a>(
     what: &str,
     text: *const c_char,
-) -> Result<Option<&'a str>, Fault> {
+) -> Result<Option<&'a str>, CallError> {
     if text.is_null() {
         return Ok(None);
     }

@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_char, c_void};
 
-use crate::log::Message;
+use crate::log::LogMessage;
 
 /// `fmi2CallbackLogger`: variadic, the message is a format.
 // SAFETY: called as the standard says, with strings that live through the call.
@@ -50,7 +50,7 @@ impl Logger {
         Self { callback, environment, instance_name: c_text(instance_name) }
     }
 
-    pub(crate) fn send(&self, message: &Message) {
+    pub(crate) fn send(&self, message: &LogMessage) {
         let (category, text) = (c_text(message.status.category()), c_text(&message.text));
         let (category, text) = (category.as_ptr(), text.as_ptr());
         let (environment, status) = (self.environment, message.status as i32);

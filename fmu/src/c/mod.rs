@@ -21,31 +21,31 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use self::floating::FloatingPoint;
 use crate::description::Version;
 use crate::instance::{Instance, Phase, panic_text};
-use crate::log::Message;
-use crate::model::Model;
+use crate::log::LogMessage;
+use crate::model::FmuModel;
 use crate::registry;
-use crate::status::{Fault, Status};
+use crate::status::{CallError, FmiStatus};
 
 /// The guard: sets the host's floating-point state aside, finds the instance, runs the call,
 /// catches panics, turns the result into a status and hands the messages to the host after the
 /// instance is free again.
-pub(crate) fn call<M: Model>(
+pub(crate) fn call<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     function: &str,
-    body: impl FnOnce(&mut Instance<M>) -> Result<(), Fault>,
+    body: impl FnOnce(&mut Instance<M>) -> Result<(), CallError>,
 ) -> i32 {
     let floating = FloatingPoint::ours();
     let guarded = || {
         let Some(entry) = registry::find::<M>(handle.addr()) else {
-            return Status::Error;
+            return FmiStatus::Error;
         };
         let Ok(mut instance) = entry.instance.try_lock() else {
             // Locked by another thread's call, or poisoned by nothing: panics are caught below.
             let text = format!("{function}: the instance is busy with another call");
-            let message = Message { status: Status::Error, text };
+            let message = LogMessage { status: FmiStatus::Error, text };
             floating.callers(|| entry.logger.send(&message));
-            return Status::Error;
+            return FmiStatus::Error;
         };
         let status = run(&mut instance, version, function, body);
         let messages = std::mem::take(&mut instance.log.messages);
@@ -59,33 +59,33 @@ pub(crate) fn call<M: Model>(
         }
         status
     };
-    catch_unwind(AssertUnwindSafe(guarded)).unwrap_or(Status::Fatal) as i32
+    catch_unwind(AssertUnwindSafe(guarded)).unwrap_or(FmiStatus::Fatal) as i32
 }
 
-fn run<M: Model>(
+fn run<M: FmuModel>(
     instance: &mut Instance<M>,
     version: Version,
     function: &str,
-    body: impl FnOnce(&mut Instance<M>) -> Result<(), Fault>,
-) -> Status {
+    body: impl FnOnce(&mut Instance<M>) -> Result<(), CallError>,
+) -> FmiStatus {
     let result = if instance.version == version {
         catch_unwind(AssertUnwindSafe(|| body(instance))).unwrap_or_else(|payload| {
             let text = panic_text(&*payload);
-            Err(Fault::Fatal(format!("{function}: internal error: {text}")))
+            Err(CallError::Fatal(format!("{function}: internal error: {text}")))
         })
     } else {
-        Err(Fault::Refused(format!("{function}: the instance is of another FMI version")))
+        Err(CallError::Refused(format!("{function}: the instance is of another FMI version")))
     };
     match result {
         Ok(()) => instance.log.worst(),
         Err(fault) => {
             match fault {
-                Fault::Failed(_) => instance.core.phase = Phase::Failed,
-                Fault::Fatal(_) => instance.core.phase = Phase::Dead,
-                Fault::Discard(_) | Fault::Refused(_) => {}
+                CallError::Failed(_) => instance.core.phase = Phase::Failed,
+                CallError::Fatal(_) => instance.core.phase = Phase::Dead,
+                CallError::Discard(_) | CallError::Refused(_) => {}
             }
             let status = fault.status();
-            instance.log.messages.push(Message { status, text: fault.to_string() });
+            instance.log.messages.push(LogMessage { status, text: fault.to_string() });
             status
         }
     }
@@ -99,8 +99,8 @@ pub(crate) fn free(handle: *mut c_void) {
 }
 
 /// A call that this FMU does not offer, whatever its arguments.
-pub fn unsupported<M: Model>(handle: *mut c_void, version: Version, function: &str) -> i32 {
+pub fn unsupported<M: FmuModel>(handle: *mut c_void, version: Version, function: &str) -> i32 {
     call::<M>(handle, version, function, |_| {
-        Err(Fault::Refused(format!("{function}: not offered by this FMU")))
+        Err(CallError::Refused(format!("{function}: not offered by this FMU")))
     })
 }

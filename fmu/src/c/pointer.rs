@@ -2,7 +2,7 @@
 
 use std::ffi::{CStr, c_char};
 
-use crate::status::Fault;
+use crate::status::CallError;
 
 /// No table here comes near this; a larger count is a mistake, and reading that far would be one
 /// too.
@@ -16,7 +16,7 @@ pub(crate) unsafe fn slice<'a, T>(
     what: &str,
     pointer: *const T,
     n: usize,
-) -> Result<&'a [T], Fault> {
+) -> Result<&'a [T], CallError> {
     check(what, pointer, n)?;
     if n == 0 {
         return Ok(&[]);
@@ -33,7 +33,7 @@ pub(crate) unsafe fn slice_mut<'a, T>(
     what: &str,
     pointer: *mut T,
     n: usize,
-) -> Result<&'a mut [T], Fault> {
+) -> Result<&'a mut [T], CallError> {
     check(what, pointer, n)?;
     if n == 0 {
         return Ok(&mut []);
@@ -46,11 +46,11 @@ pub(crate) unsafe fn slice_mut<'a, T>(
 ///
 /// # Safety
 /// As for [`slice_mut`] with one element.
-pub(crate) unsafe fn out<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, Fault> {
+pub(crate) unsafe fn out<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, CallError> {
     // SAFETY: the caller's promise is the same.
     match unsafe { slice_mut(what, pointer, 1) }? {
         [one] => Ok(one),
-        _ => Err(Fault::Refused(format!("{what}: no place to write to"))),
+        _ => Err(CallError::Refused(format!("{what}: no place to write to"))),
     }
 }
 
@@ -58,11 +58,11 @@ pub(crate) unsafe fn out<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T
 ///
 /// # Safety
 /// A pointer that is not null must point to a string that ends with a zero byte.
-pub(crate) unsafe fn text<'a>(what: &str, pointer: *const c_char) -> Result<&'a str, Fault> {
+pub(crate) unsafe fn text<'a>(what: &str, pointer: *const c_char) -> Result<&'a str, CallError> {
     check(what, pointer, 1)?;
     // SAFETY: not null; the end is the caller's promise.
     let text = unsafe { CStr::from_ptr(pointer) };
-    text.to_str().map_err(|e| Fault::Refused(format!("{what} is not UTF-8: {e}")))
+    text.to_str().map_err(|e| CallError::Refused(format!("{what} is not UTF-8: {e}")))
 }
 
 /// Texts; each is checked.
@@ -73,7 +73,7 @@ pub(crate) unsafe fn texts<'a>(
     what: &str,
     pointer: *const *const c_char,
     n: usize,
-) -> Result<Vec<&'a str>, Fault> {
+) -> Result<Vec<&'a str>, CallError> {
     // SAFETY: the caller's promise is the same.
     let pointers = unsafe { slice(what, pointer, n) }?;
     // SAFETY: the caller's promise is the same.
@@ -84,7 +84,11 @@ pub(crate) unsafe fn texts<'a>(
 ///
 /// # Safety
 /// As for [`slice`].
-pub(crate) unsafe fn bytes<'a>(what: &str, from: *const u8, n: usize) -> Result<&'a [u8], Fault> {
+pub(crate) unsafe fn bytes<'a>(
+    what: &str,
+    from: *const u8,
+    n: usize,
+) -> Result<&'a [u8], CallError> {
     check_bytes(what, from, n)?;
     // SAFETY: not null, below half the address space; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts(from, n) })
@@ -98,28 +102,30 @@ pub(crate) unsafe fn bytes_mut<'a>(
     what: &str,
     to: *mut u8,
     n: usize,
-) -> Result<&'a mut [u8], Fault> {
+) -> Result<&'a mut [u8], CallError> {
     check_bytes(what, to, n)?;
     // SAFETY: not null, below half the address space; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts_mut(to, n) })
 }
 
-fn check_bytes(what: &str, pointer: *const u8, n: usize) -> Result<(), Fault> {
+fn check_bytes(what: &str, pointer: *const u8, n: usize) -> Result<(), CallError> {
     if pointer.is_null() || isize::try_from(n).is_err() {
-        return Err(Fault::Refused(format!("{what}: a null pointer, or {n} bytes")));
+        return Err(CallError::Refused(format!("{what}: a null pointer, or {n} bytes")));
     }
     Ok(())
 }
 
-fn check<T>(what: &str, pointer: *const T, n: usize) -> Result<(), Fault> {
+fn check<T>(what: &str, pointer: *const T, n: usize) -> Result<(), CallError> {
     if n > MOST {
-        return Err(Fault::Refused(format!("{what}: {n} elements; at most {MOST} are accepted")));
+        return Err(CallError::Refused(format!(
+            "{what}: {n} elements; at most {MOST} are accepted"
+        )));
     }
     if n > 0 && pointer.is_null() {
-        return Err(Fault::Refused(format!("{what}: a null pointer for {n} element(s)")));
+        return Err(CallError::Refused(format!("{what}: a null pointer for {n} element(s)")));
     }
     if n > 0 && !pointer.is_aligned() {
-        return Err(Fault::Refused(format!("{what}: a misaligned pointer")));
+        return Err(CallError::Refused(format!("{what}: a misaligned pointer")));
     }
     Ok(())
 }

@@ -4,14 +4,14 @@ use std::ffi::c_void;
 
 use super::{call, pointer};
 use crate::description::Version;
-use crate::model::Model;
-use crate::status::Fault;
+use crate::model::FmuModel;
+use crate::status::CallError;
 
 /// `GetFMUState`.
 ///
 /// # Safety
 /// `state` is null or can be read and written.
-pub unsafe fn get<M: Model>(
+pub unsafe fn get<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     name: &str,
@@ -26,7 +26,12 @@ pub unsafe fn get<M: Model>(
 }
 
 /// `SetFMUState`.
-pub fn set<M: Model>(handle: *mut c_void, version: Version, name: &str, state: *mut c_void) -> i32 {
+pub fn set<M: FmuModel>(
+    handle: *mut c_void,
+    version: Version,
+    name: &str,
+    state: *mut c_void,
+) -> i32 {
     call::<M>(handle, version, name, |instance| instance.set_state(name, state.addr()))
 }
 
@@ -34,7 +39,7 @@ pub fn set<M: Model>(handle: *mut c_void, version: Version, name: &str, state: *
 ///
 /// # Safety
 /// `state` is null or can be read and written.
-pub unsafe fn free<M: Model>(
+pub unsafe fn free<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     name: &str,
@@ -56,7 +61,7 @@ pub unsafe fn free<M: Model>(
 ///
 /// # Safety
 /// `size` is null or can be written to.
-pub unsafe fn serialized_size<M: Model>(
+pub unsafe fn serialized_size<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     name: &str,
@@ -75,7 +80,7 @@ pub unsafe fn serialized_size<M: Model>(
 ///
 /// # Safety
 /// `bytes` points to `size` writable bytes.
-pub unsafe fn serialize<M: Model>(
+pub unsafe fn serialize<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     name: &str,
@@ -86,7 +91,7 @@ pub unsafe fn serialize<M: Model>(
     call::<M>(handle, version, name, |instance| {
         let saved = instance.serialize(name, state.addr())?;
         if size < saved.len() {
-            return Err(Fault::Refused(format!(
+            return Err(CallError::Refused(format!(
                 "{name}: the state takes {} bytes, the buffer has {size}",
                 saved.len()
             )));
@@ -102,7 +107,7 @@ pub unsafe fn serialize<M: Model>(
 ///
 /// # Safety
 /// `bytes` points to `size` readable bytes; `state` is null or can be read and written.
-pub unsafe fn deserialize<M: Model>(
+pub unsafe fn deserialize<M: FmuModel>(
     handle: *mut c_void,
     version: Version,
     name: &str,

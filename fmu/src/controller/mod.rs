@@ -14,11 +14,11 @@ use vehicle_model::{GlobalState, Input, State};
 
 use crate::description::{Description, Terminal};
 use crate::files::{self, CentreLine};
-use crate::model::{Io, Model, Step};
-use crate::schedule::Schedule;
-use crate::status::Fault;
-use crate::table::Table;
-use crate::values::Values;
+use crate::model::{CommunicationStep, FmuModel, Io};
+use crate::schedule::TickSchedule;
+use crate::status::CallError;
+use crate::table::VariableTable;
+use crate::values::VariableValues;
 use settings::Tuned;
 use slots::Slots;
 
@@ -31,7 +31,7 @@ pub struct ControllerFmu {
     tuned: Tuned,
     /// Period as configured; ticks times this is the time of a measurement [s].
     period: f64,
-    schedule: Schedule,
+    schedule: TickSchedule,
     /// Hash of the fixed configuration.
     identity: u64,
     laps: Laps,
@@ -63,21 +63,16 @@ pub struct ControllerFmuState {
 fn description() -> &'static (Description, Slots) {
     static CELL: OnceLock<(Description, Slots)> = OnceLock::new();
     CELL.get_or_init(|| {
-        let mut table = Table::new();
+        let mut table = VariableTable::new();
         let slots = Slots::new(&mut table);
         let description = Description {
             model_name: "LMPC controller",
             model_identifier: "lmpc_controller",
             description: "Learning model predictive controller for racing, with error dynamics regression",
-            version: env!("CARGO_PKG_VERSION"),
-            stop_time: 60.0,
-            step_size: 0.1,
-            table,
             terminals: Terminal::pair("To the car's actuators", "From the car's sensors"),
-            resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/controller.html"),
             icon: include_bytes!("../../doc/controller.png"),
-            token: OnceLock::new(),
+            ..Description::shipped(table)
         };
         (description, slots)
     })
@@ -88,7 +83,7 @@ pub(super) fn slots() -> &'static Slots {
 }
 
 /// The measurement the inputs hold.
-fn measurement(values: &Values, time: f64) -> Measurement {
+fn measurement(values: &VariableValues, time: f64) -> Measurement {
     let slots = slots();
     let [v_x, v_y, omega_z, e_psi, s, e_y, x, y, psi] = slots.vehicle.map(|r| values.real(r));
     let pose = if values.boolean(slots.global_pose) {
@@ -103,7 +98,7 @@ fn measurement(values: &Values, time: f64) -> Measurement {
 
 impl ControllerFmu {
     /// Another controller with these tunable numbers takes over all that this one knows.
-    fn retune(&mut self, tuned: Tuned) -> Result<(), Fault> {
+    fn retune(&mut self, tuned: Tuned) -> Result<(), CallError> {
         if tuned == self.tuned {
             return Ok(());
         }
@@ -174,26 +169,26 @@ fn trouble(action: Action, reason: Reason) -> Option<&'static str> {
     (action != Action::WarmUp || reason == Reason::Jump).then_some(why)
 }
 
-impl Model for ControllerFmu {
+impl FmuModel for ControllerFmu {
     type State = ControllerFmuState;
 
     fn description() -> &'static Description {
         &description().0
     }
 
-    fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
+    fn start(io: &mut Io<'_>) -> Result<Self, CallError> {
         let model = start::build(io)?;
         model.publish_start(io.values);
         Ok(model)
     }
 
-    fn in_force(&mut self, values: &mut Values) {
+    fn in_force(&mut self, values: &mut VariableValues) {
         start::read_back(&self.controller, values);
     }
 
-    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
+    fn step(&mut self, io: &mut Io<'_>, step: &CommunicationStep) -> Result<(), CallError> {
         if self.schedule.too_long(step.size) {
-            return Err(Fault::Discard(format!(
+            return Err(CallError::Discard(format!(
                 "communication step of {} s; the controller's period is {} s and a step must not \
                  be longer (param.period changes it)",
                 step.size, self.period
@@ -253,7 +248,7 @@ impl Model for ControllerFmu {
         }
     }
 
-    fn resume(&mut self, state: &ControllerFmuState) -> Result<(), Fault> {
+    fn resume(&mut self, state: &ControllerFmuState) -> Result<(), CallError> {
         state.centre_line.require(self.controller.track())?;
         let other = if state.car != self.controller.car().fingerprint() {
             "car"
@@ -263,24 +258,25 @@ impl Model for ControllerFmu {
             ""
         };
         if !other.is_empty() {
-            return Err(Fault::Refused(format!(
+            return Err(CallError::Refused(format!(
                 "the state is of another {other} than this instance's"
             )));
         }
-        self.schedule = Schedule::resumed(self.period, state.ticks)
-            .ok_or_else(|| Fault::Refused("the state counts too many periods".to_owned()))?;
+        self.schedule = TickSchedule::resumed(self.period, state.ticks)
+            .ok_or_else(|| CallError::Refused("the state counts too many periods".to_owned()))?;
         self.retune(state.tuned)?;
         self.laps = state.laps;
         self.controller.resume(&state.controller);
         Ok(())
     }
 
-    fn save(state: &ControllerFmuState) -> Result<Vec<u8>, Fault> {
+    fn save(state: &ControllerFmuState) -> Result<Vec<u8>, CallError> {
         postcard::to_allocvec(state)
-            .map_err(|e| Fault::Refused(format!("saving the controller: {e}")))
+            .map_err(|e| CallError::Refused(format!("saving the controller: {e}")))
     }
 
-    fn load(bytes: &[u8]) -> Result<ControllerFmuState, Fault> {
-        postcard::from_bytes(bytes).map_err(|e| Fault::Refused(format!("saved controller: {e}")))
+    fn load(bytes: &[u8]) -> Result<ControllerFmuState, CallError> {
+        postcard::from_bytes(bytes)
+            .map_err(|e| CallError::Refused(format!("saved controller: {e}")))
     }
 }

@@ -7,9 +7,9 @@ use vehicle_model::State;
 use super::slots::PLAN;
 use super::{ControllerFmu, slots};
 use crate::table::Real;
-use crate::values::Values;
+use crate::values::VariableValues;
 
-fn write<const N: usize>(values: &mut Values, slots: &[Real; N], numbers: [f64; N]) {
+fn write<const N: usize>(values: &mut VariableValues, slots: &[Real; N], numbers: [f64; N]) {
     slots.iter().zip(numbers).for_each(|(slot, number)| values.set_real(*slot, number));
 }
 
@@ -28,13 +28,13 @@ fn solver(solver: Option<Backend>) -> f64 {
 
 impl ControllerFmu {
     /// Outputs before the first step: no command, the grip as configured or loaded.
-    pub(super) fn publish_start(&self, values: &mut Values) {
+    pub(super) fn publish_start(&self, values: &mut VariableValues) {
         let [front, rear] = self.controller.grip();
         write(values, &slots().learned, [0.0, 0.0, front, rear]);
         self.publish_estimates(values, &Command::default());
     }
 
-    pub(super) fn publish(&self, values: &mut Values, command: &Command, duration: f64) {
+    pub(super) fn publish(&self, values: &mut VariableValues, command: &Command, duration: f64) {
         let (slots, status, laps) = (slots(), &command.status, &self.laps);
         write(values, &slots.command, [command.input.a, command.input.delta]);
         let numbers = [
@@ -75,7 +75,7 @@ impl ControllerFmu {
     }
 
     /// What the controller has found out about road, actuators and sensors.
-    fn publish_estimates(&self, values: &mut Values, command: &Command) {
+    fn publish_estimates(&self, values: &mut VariableValues, command: &Command) {
         let (slots, controller, status) = (slots(), &self.controller, &command.status);
         values.set_real(slots.road_grip, controller.road_grip());
         let response = controller.response();
@@ -88,7 +88,7 @@ impl ControllerFmu {
         write(values, &slots.noise_sigma, controller.noise_sigma().unwrap_or_default());
     }
 
-    fn publish_plan(&self, values: &mut Values) {
+    fn publish_plan(&self, values: &mut VariableValues) {
         let points = &self.controller.plan().x;
         for k in 0..PLAN {
             let x = points.get(k + 1).or(points.last()).copied().unwrap_or_default();
@@ -109,8 +109,8 @@ mod tests {
     use vehicle_model::{CarParams, Plant, PlantParams, SensorNoise, Track};
 
     use super::*;
-    use crate::log::Log;
-    use crate::model::{Io, Model, Step};
+    use crate::log::CallLog;
+    use crate::model::{CommunicationStep, FmuModel, Io};
 
     fn place(name: &str) -> usize {
         let variables = ControllerFmu::description().table.variables();
@@ -131,8 +131,8 @@ mod tests {
         params.noise = SensorNoise { v_x, v_y, omega_z, e_psi: 0.005, s: 0.005, e_y: 0.005 };
         let mut plant = Plant::new(params, track, start).unwrap();
 
-        let mut values = Values::start(&ControllerFmu::description().table);
-        let mut log = Log::default();
+        let mut values = VariableValues::start(&ControllerFmu::description().table);
+        let mut log = CallLog::default();
         let mut io = Io { values: &mut values, resources: None, log: &mut log };
         let mut fmu = ControllerFmu::start(&mut io).unwrap();
         assert_eq!(io.values.numbers[place("grip.road")], 1.0);
@@ -142,7 +142,8 @@ mod tests {
             let numbers = [x.v_x, x.v_y, x.omega_z, x.e_psi, x.s, x.e_y];
             write(io.values, &slots().vehicle[..6].try_into().unwrap(), numbers);
             let time = f64::from(k) * period;
-            fmu.step(&mut io, &Step { origin: 0.0, begin: time, size: period }).unwrap();
+            fmu.step(&mut io, &CommunicationStep { origin: 0.0, begin: time, size: period })
+                .unwrap();
             let measurement = Measurement { time, pose: Pose::Frenet(x), applied: None };
             let command = native.step(&measurement);
             let (status, response) = (command.status, native.response());

@@ -6,9 +6,9 @@
 
 use controller::Config;
 
-use crate::table::{Real, Table};
+use crate::table::{Real, VariableTable};
 use crate::unit::{self, Unit};
-use crate::values::Values;
+use crate::values::VariableValues;
 use crate::variable::{Role, Variable};
 
 type Get = fn(&Config) -> f64;
@@ -162,7 +162,7 @@ pub(crate) struct Settings {
 
 impl Settings {
     /// Appends `param.*` with the defaults.
-    pub(crate) fn new(table: &mut Table) -> Self {
+    pub(crate) fn new(table: &mut VariableTable) -> Self {
         let config = Config::default();
         let numbers = ROWS.iter().map(|(name, unit, text, [min, max], get, _)| {
             let start = get(&config);
@@ -174,7 +174,7 @@ impl Settings {
     }
 
     /// Writes every fixed number that is not at its start value into the configuration.
-    pub(crate) fn apply(&self, values: &Values, config: &mut Config) {
+    pub(crate) fn apply(&self, values: &VariableValues, config: &mut Config) {
         for ((slot, start), (name, .., set)) in self.numbers.iter().zip(ROWS) {
             let value = values.real(*slot);
             if value.to_bits() != start.to_bits() && !TUNABLE.contains(name) {
@@ -184,7 +184,7 @@ impl Settings {
     }
 
     /// The tunable numbers at the start: those not at their start value, else the configuration's.
-    pub(crate) fn start(&self, values: &Values, config: &Config) -> Tuned {
+    pub(crate) fn start(&self, values: &VariableValues, config: &Config) -> Tuned {
         let mut tuned = self.tuned(values);
         for (tunable, value) in TUNABLE.iter().zip(&mut tuned) {
             let rows = self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable);
@@ -198,14 +198,14 @@ impl Settings {
     }
 
     /// Writes every number of the configuration into the values.
-    pub(crate) fn write(&self, config: &Config, values: &mut Values) {
+    pub(crate) fn write(&self, config: &Config, values: &mut VariableValues) {
         for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
             values.set_real(*slot, get(config));
         }
     }
 
     /// The tunable numbers now, after initialisation.
-    pub(crate) fn tuned(&self, values: &Values) -> Tuned {
+    pub(crate) fn tuned(&self, values: &VariableValues) -> Tuned {
         TUNABLE.map(|tunable| {
             let place = ROWS.iter().position(|row| row.0 == tunable);
             place.map_or(0.0, |i| values.real(self.numbers[i].0))
@@ -228,9 +228,9 @@ mod tests {
 
     #[test]
     fn start_values_leave_a_preset_alone_and_others_override_it() {
-        let mut table = Table::new();
+        let mut table = VariableTable::new();
         let settings = Settings::new(&mut table);
-        let mut values = Values::start(&table);
+        let mut values = VariableValues::start(&table);
         let paper = Config::preset(controller::Preset::Paper);
         let mut config = paper.clone();
         settings.apply(&values, &mut config);
@@ -243,7 +243,7 @@ mod tests {
             settings.tune(&settings.start(&values, &paper), &mut config);
             assert_eq!(get(&config), value);
         }
-        let mut read_back = Values::start(&table);
+        let mut read_back = VariableValues::start(&table);
         settings.write(&config, &mut read_back);
         assert_eq!(read_back, values);
     }

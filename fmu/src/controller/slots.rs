@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use crate::files::{CAR, TRACK};
-use crate::table::{Boolean, Integer, Real, Table, Text};
+use crate::table::{Boolean, Integer, Real, Text, VariableTable};
 use crate::unit::{self, Unit};
 use crate::variable::{Role, Variable};
 
@@ -94,7 +94,7 @@ const BOUNDS: [(&str, f64, f64); 22] = [
 ];
 
 impl Slots {
-    pub(crate) fn new(t: &mut Table) -> Self {
+    pub(crate) fn new(t: &mut VariableTable) -> Self {
         let vehicle = VEHICLE
             .map(|(name, unit, text)| t.real(&format!("vehicle.{name}"), Role::Input, unit, text));
         let applied = [

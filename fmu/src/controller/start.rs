@@ -8,25 +8,25 @@ use super::{ControllerFmu, Laps, slots};
 use crate::checksum::fnv1a;
 use crate::files;
 use crate::model::Io;
-use crate::schedule::Schedule;
-use crate::status::Fault;
-use crate::values::Values;
+use crate::schedule::TickSchedule;
+use crate::status::CallError;
+use crate::values::VariableValues;
 
-pub(super) fn failed(e: impl std::fmt::Display) -> Fault {
-    Fault::Failed(e.to_string())
+pub(super) fn failed(e: impl std::fmt::Display) -> CallError {
+    CallError::Failed(e.to_string())
 }
 
 /// The configuration: preset or file, then the numbers that were changed.
-fn config(io: &Io<'_>, car: &CarParams, track: &Track) -> Result<Config, Fault> {
+fn config(io: &Io<'_>, car: &CarParams, track: &Track) -> Result<Config, CallError> {
     let (slots, values) = (slots(), &*io.values);
     let mut config = match (values.text(slots.config), values.text(slots.preset)) {
         ("", "race") => Config::derived(Preset::Race, car, track),
         ("", "paper") => Config::preset(Preset::Paper),
         ("", other) => {
-            return Err(Fault::Failed(format!("param.preset = '{other}'; known: race, paper")));
+            return Err(CallError::Failed(format!("param.preset = '{other}'; known: race, paper")));
         }
         (file, _) => Config::from_toml_for(&files::read(io, "configuration", file)?, car, track)
-            .map_err(|e| Fault::Failed(format!("configuration {file}: {e}")))?,
+            .map_err(|e| CallError::Failed(format!("configuration {file}: {e}")))?,
     };
     slots.settings.apply(values, &mut config);
     match values.integer(slots.regression_mode) {
@@ -38,7 +38,7 @@ fn config(io: &Io<'_>, car: &CarParams, track: &Track) -> Result<Config, Fault> 
     Ok(config)
 }
 
-pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
+pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, CallError> {
     let slots = slots();
     let mut car = files::car(io, io.values.text(slots.car))?;
     let mu = io.values.real(slots.nominal_mu);
@@ -49,7 +49,7 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
     let mut config = config(io, &car, &track)?;
     let identity = postcard::to_allocvec(&config).map_err(failed)?;
     let period = config.horizon.period;
-    let schedule = Schedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
+    let schedule = TickSchedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
     let (base, tuned) = (config.clone(), slots.settings.start(io.values, &config));
     slots.settings.tune(&tuned, &mut config);
     let mut controller = Box::new(Controller::new(config, car, track).map_err(failed)?);
@@ -67,7 +67,7 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, Fault> {
 }
 
 /// Writes the settings in force into the parameters.
-pub(super) fn read_back(controller: &Controller, values: &mut Values) {
+pub(super) fn read_back(controller: &Controller, values: &mut VariableValues) {
     let (slots, config) = (slots(), controller.config());
     slots.settings.write(config, values);
     let mode = match config.regression.mode {

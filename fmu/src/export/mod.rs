@@ -3,7 +3,7 @@
 mod fmi2;
 mod fmi3;
 
-/// Exports the FMI 2.0 and FMI 3.0 co-simulation interfaces of a [`Model`](crate::Model).
+/// Exports the FMI 2.0 and FMI 3.0 co-simulation interfaces of a [`FmuModel`](crate::FmuModel).
 ///
 /// Use it once, in a `cdylib` crate. The C names are fixed by the standards, so a crate that
 /// uses it must not be linked into another that does.

@@ -3,19 +3,19 @@
 use std::ffi::CString;
 
 use super::{Instance, Phase};
-use crate::model::Model;
-use crate::status::Fault;
-use crate::variable::{Kind, Role, Variable};
+use crate::model::FmuModel;
+use crate::status::CallError;
+use crate::variable::{Role, Variable, VariableType};
 
 /// A C type that carries numbers or truth values.
 pub(crate) trait Element: Copy {
-    const KIND: Kind;
+    const KIND: VariableType;
     fn from_number(number: f64) -> Self;
     fn to_number(self) -> f64;
 }
 
 impl Element for f64 {
-    const KIND: Kind = Kind::Real;
+    const KIND: VariableType = VariableType::Real;
     fn from_number(number: f64) -> Self {
         number
     }
@@ -25,7 +25,7 @@ impl Element for f64 {
 }
 
 impl Element for i32 {
-    const KIND: Kind = Kind::Integer;
+    const KIND: VariableType = VariableType::Integer;
     fn from_number(number: f64) -> Self {
         number as Self
     }
@@ -40,7 +40,7 @@ impl Element for i32 {
 pub(crate) struct Boolean2(pub(crate) i32);
 
 impl Element for Boolean2 {
-    const KIND: Kind = Kind::Boolean;
+    const KIND: VariableType = VariableType::Boolean;
     fn from_number(number: f64) -> Self {
         Self(i32::from(number != 0.0))
     }
@@ -55,7 +55,7 @@ impl Element for Boolean2 {
 pub(crate) struct Boolean3(pub(crate) u8);
 
 impl Element for Boolean3 {
-    const KIND: Kind = Kind::Boolean;
+    const KIND: VariableType = VariableType::Boolean;
     fn from_number(number: f64) -> Self {
         Self(u8::from(number != 0.0))
     }
@@ -64,14 +64,14 @@ impl Element for Boolean3 {
     }
 }
 
-impl<M: Model> Instance<M> {
+impl<M: FmuModel> Instance<M> {
     /// Reads variables. Either all are written to `out` or none.
     pub(crate) fn get<T: Element>(
         &mut self,
         function: &str,
         references: &[u32],
         out: &mut [T],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), CallError> {
         self.check_get(function, T::KIND, references)?;
         for (value, reference) in out.iter_mut().zip(references) {
             *value = T::from_number(match *reference {
@@ -88,8 +88,8 @@ impl<M: Model> Instance<M> {
         function: &str,
         references: &[u32],
         out: &mut [*const std::ffi::c_char],
-    ) -> Result<(), Fault> {
-        self.check_get(function, Kind::Text, references)?;
+    ) -> Result<(), CallError> {
+        self.check_get(function, VariableType::Text, references)?;
         for (value, reference) in out.iter_mut().zip(references) {
             let at = *reference as usize;
             let text = CString::new(self.core.values.texts[at].as_str()).unwrap_or_default();
@@ -109,7 +109,7 @@ impl<M: Model> Instance<M> {
         function: &str,
         references: &[u32],
         values: &[T],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), CallError> {
         self.allow_set(function)?;
         for (reference, value) in references.iter().zip(values) {
             let variable = self.check_set(function, T::KIND, *reference)?;
@@ -128,10 +128,10 @@ impl<M: Model> Instance<M> {
         function: &str,
         references: &[u32],
         values: &[String],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), CallError> {
         self.allow_set(function)?;
         for reference in references {
-            self.check_set(function, Kind::Text, *reference)?;
+            self.check_set(function, VariableType::Text, *reference)?;
         }
         for (reference, value) in references.iter().zip(values) {
             self.core.values.texts[*reference as usize].clone_from(value);
@@ -140,7 +140,12 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    fn check_get(&mut self, function: &str, kind: Kind, references: &[u32]) -> Result<(), Fault> {
+    fn check_get(
+        &mut self,
+        function: &str,
+        kind: VariableType,
+        references: &[u32],
+    ) -> Result<(), CallError> {
         if self.core.phase == Phase::Dead {
             self.allow(function, &[])?;
         }
@@ -150,7 +155,7 @@ impl<M: Model> Instance<M> {
             computed |= variable.role.output();
         }
         if computed && self.core.phase == Phase::Instantiated {
-            return Err(Fault::Refused(format!(
+            return Err(CallError::Refused(format!(
                 "{function}: outputs have no value before the initialisation mode"
             )));
         }
@@ -160,23 +165,25 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    fn allow_set(&self, function: &str) -> Result<(), Fault> {
+    fn allow_set(&self, function: &str) -> Result<(), CallError> {
         self.allow(function, &[Phase::Instantiated, Phase::Initialization, Phase::Stepping])
     }
 
     fn check_set(
         &self,
         function: &str,
-        kind: Kind,
+        kind: VariableType,
         reference: u32,
-    ) -> Result<&'static Variable, Fault> {
+    ) -> Result<&'static Variable, CallError> {
         let variable = find::<M>(function, kind, reference)?;
         let name = &variable.name;
         if !variable.role.settable() {
-            return Err(Fault::Refused(format!("{function}: '{name}' is not for the host to set")));
+            return Err(CallError::Refused(format!(
+                "{function}: '{name}' is not for the host to set"
+            )));
         }
         if self.core.phase == Phase::Stepping && variable.role == Role::Fixed {
-            return Err(Fault::Refused(format!(
+            return Err(CallError::Refused(format!(
                 "{function}: the fixed parameter '{name}' cannot change after initialisation"
             )));
         }
@@ -194,10 +201,14 @@ impl<M: Model> Instance<M> {
 }
 
 /// The variable of a value reference, if it has the type the function is for.
-fn find<M: Model>(function: &str, kind: Kind, reference: u32) -> Result<&'static Variable, Fault> {
+fn find<M: FmuModel>(
+    function: &str,
+    kind: VariableType,
+    reference: u32,
+) -> Result<&'static Variable, CallError> {
     let variables = M::description().table.variables();
     let Some(variable) = variables.get(reference as usize) else {
-        return Err(Fault::Refused(format!(
+        return Err(CallError::Refused(format!(
             "{function}: unknown value reference {reference}; the last one is {}",
             variables.len() - 1
         )));
@@ -206,22 +217,22 @@ fn find<M: Model>(function: &str, kind: Kind, reference: u32) -> Result<&'static
         return Ok(variable);
     }
     let (name, found) = (&variable.name, variable.kind);
-    Err(Fault::Refused(format!(
+    Err(CallError::Refused(format!(
         "{function}: '{name}' (value reference {reference}) is of type {found:?}, not {kind:?}"
     )))
 }
 
 /// Parameters must lie in their range. Inputs only must be finite: a model saturates its inputs
 /// and a loop must not break because a neighbour overshoots by a rounding error.
-fn check_value(function: &str, variable: &Variable, value: f64) -> Result<(), Fault> {
+fn check_value(function: &str, variable: &Variable, value: f64) -> Result<(), CallError> {
     let name = &variable.name;
     if !value.is_finite() {
-        return Err(Fault::Refused(format!("{function}: '{name}' cannot be {value}")));
+        return Err(CallError::Refused(format!("{function}: '{name}' cannot be {value}")));
     }
     let (min, max) =
         (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
     if variable.role.parameter() && !(min..=max).contains(&value) {
-        return Err(Fault::Refused(format!(
+        return Err(CallError::Refused(format!(
             "{function}: '{name}' = {value} is outside [{min}, {max}]"
         )));
     }

@@ -10,13 +10,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 pub(crate) use access::{Boolean2, Boolean3, Element};
-use snapshot::Snapshot;
+use snapshot::FmuState;
 
 use crate::description::Version;
-use crate::log::{Filter, Log};
-use crate::model::{Io, Model};
-use crate::status::Fault;
-use crate::values::Values;
+use crate::log::{CallLog, Filter};
+use crate::model::{FmuModel, Io};
+use crate::status::CallError;
+use crate::values::VariableValues;
 
 /// Where an instance is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,35 +65,35 @@ pub(crate) struct Core {
     pub(crate) origin: f64,
     pub(crate) time: f64,
     pub(crate) stop: Option<f64>,
-    pub(crate) values: Values,
+    pub(crate) values: VariableValues,
 }
 
 /// One instance.
-pub(crate) struct Instance<M: Model> {
+pub(crate) struct Instance<M: FmuModel> {
     pub(crate) version: Version,
     pub(crate) core: Core,
     /// `None` until the model is built from the parameters.
     pub(crate) model: Option<M>,
     pub(crate) resources: Option<PathBuf>,
     pub(crate) filter: Filter,
-    pub(crate) log: Log,
+    pub(crate) log: CallLog,
     /// Texts handed to the host stay alive here until read again.
     pub(crate) texts: BTreeMap<usize, CString>,
-    snapshots: BTreeMap<usize, Snapshot<M>>,
+    snapshots: BTreeMap<usize, FmuState<M>>,
     /// Numbers from before the step under way.
     backup: Vec<f64>,
 }
 
-impl<M: Model> Instance<M> {
+impl<M: FmuModel> Instance<M> {
     pub(crate) fn new(version: Version, resources: Option<PathBuf>, filter: Filter) -> Self {
-        let values = Values::start(&M::description().table);
+        let values = VariableValues::start(&M::description().table);
         Self {
             version,
             core: Core { phase: Phase::Instantiated, origin: 0.0, time: 0.0, stop: None, values },
             model: None,
             resources,
             filter,
-            log: Log::default(),
+            log: CallLog::default(),
             texts: BTreeMap::new(),
             snapshots: BTreeMap::new(),
             backup: Vec::new(),
@@ -101,24 +101,24 @@ impl<M: Model> Instance<M> {
     }
 
     /// Refuses a call that the standard does not allow now.
-    pub(crate) fn allow(&self, function: &str, phases: &[Phase]) -> Result<(), Fault> {
+    pub(crate) fn allow(&self, function: &str, phases: &[Phase]) -> Result<(), CallError> {
         let phase = self.core.phase;
         if phases.contains(&phase) {
             return Ok(());
         }
         let text = format!("{function}: not allowed while the instance is {}", phase.words());
-        Err(if phase == Phase::Dead { Fault::Fatal(text) } else { Fault::Refused(text) })
+        Err(if phase == Phase::Dead { CallError::Fatal(text) } else { CallError::Refused(text) })
     }
 
     /// Runs code of the model; a panic in it becomes a failure with its message.
-    fn guarded<T>(what: &str, body: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
+    fn guarded<T>(what: &str, body: impl FnOnce() -> Result<T, CallError>) -> Result<T, CallError> {
         catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|payload| {
-            Err(Fault::Failed(format!("{what}: internal error: {}", panic_text(&*payload))))
+            Err(CallError::Failed(format!("{what}: internal error: {}", panic_text(&*payload))))
         })
     }
 
     /// Builds the model if the parameters changed since it was last built.
-    fn ensure_model(&mut self) -> Result<(), Fault> {
+    fn ensure_model(&mut self) -> Result<(), CallError> {
         if self.model.is_some() {
             return Ok(());
         }
@@ -129,7 +129,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// A model of these parameters, and its initial outputs.
-    fn build(&mut self, values: &mut Values) -> Result<M, Fault> {
+    fn build(&mut self, values: &mut VariableValues) -> Result<M, CallError> {
         let mut io = Io { values, resources: self.resources.as_deref(), log: &mut self.log };
         let model = Self::guarded("initialisation", || M::start(&mut io))?;
         check_outputs::<M>(io.values)?;
@@ -138,14 +138,14 @@ impl<M: Model> Instance<M> {
 }
 
 /// A model that writes a value that is not finite has failed, whatever it returned.
-fn check_outputs<M: Model>(values: &Values) -> Result<(), Fault> {
+fn check_outputs<M: FmuModel>(values: &VariableValues) -> Result<(), CallError> {
     if values.numbers.iter().all(|x| x.is_finite()) {
         return Ok(());
     }
     let variables = M::description().table.variables();
     let bad = variables.iter().zip(&values.numbers).find(|(_, x)| !x.is_finite());
     let name = bad.map_or("?", |(v, _)| v.name.as_str());
-    Err(Fault::Failed(format!("the model computed a value that is not finite for '{name}'")))
+    Err(CallError::Failed(format!("the model computed a value that is not finite for '{name}'")))
 }
 
 /// The message of a panic, if it carried one.

@@ -3,15 +3,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::{Core, Instance, Phase};
-use crate::bytes::{Reader, Writer};
+use crate::bytes::{ByteReader, ByteWriter};
 use crate::checksum::fnv1a;
-use crate::model::Model;
-use crate::status::Fault;
-use crate::values::Values;
+use crate::model::FmuModel;
+use crate::status::CallError;
+use crate::values::VariableValues;
 use crate::variable::Role;
 
 /// Everything an FMU state holds.
-pub(super) struct Snapshot<M: Model> {
+pub(super) struct FmuState<M: FmuModel> {
     core: Core,
     state: Option<M::State>,
 }
@@ -25,12 +25,12 @@ const HEADER: usize = 40;
 /// apart from a living one without touching memory.
 static NEXT_HANDLE: AtomicUsize = AtomicUsize::new(1);
 
-impl<M: Model> Instance<M> {
+impl<M: FmuModel> Instance<M> {
     /// Takes the state into a new handle, or into `old` if that names a state of this instance.
-    pub(crate) fn get_state(&mut self, function: &str, old: usize) -> Result<usize, Fault> {
+    pub(crate) fn get_state(&mut self, function: &str, old: usize) -> Result<usize, CallError> {
         self.allow(function, &Phase::ALL[..5])?;
         let state = self.model.as_ref().map(M::state);
-        let snapshot = Snapshot { core: self.core.clone(), state };
+        let snapshot = FmuState { core: self.core.clone(), state };
         if old != 0 && !self.snapshots.contains_key(&old) {
             return Err(unknown(function));
         }
@@ -38,15 +38,15 @@ impl<M: Model> Instance<M> {
     }
 
     /// Goes back to a state; whatever goes wrong, the instance stays where it is.
-    pub(crate) fn set_state(&mut self, function: &str, handle: usize) -> Result<(), Fault> {
+    pub(crate) fn set_state(&mut self, function: &str, handle: usize) -> Result<(), CallError> {
         self.allow(function, &Phase::ALL[..5])?;
         let snapshot = self.snapshots.remove(&handle).ok_or_else(|| unknown(function))?;
         let done = self.adopt(function, &snapshot);
         self.snapshots.insert(handle, snapshot);
-        done.map_err(|fault| Fault::Refused(format!("{function}: {fault}")))
+        done.map_err(|fault| CallError::Refused(format!("{function}: {fault}")))
     }
 
-    fn adopt(&mut self, function: &str, snapshot: &Snapshot<M>) -> Result<(), Fault> {
+    fn adopt(&mut self, function: &str, snapshot: &FmuState<M>) -> Result<(), CallError> {
         let Some(state) = &snapshot.state else {
             (self.core, self.model) = (snapshot.core.clone(), None);
             return Ok(());
@@ -66,7 +66,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Whether the present model was built from the same fixed parameters.
-    fn same_fixed(&self, values: &Values) -> bool {
+    fn same_fixed(&self, values: &VariableValues) -> bool {
         let here = &self.core.values;
         let variables = M::description().table.variables().iter().enumerate();
         variables.filter(|(_, v)| v.role == Role::Fixed).all(|(i, _)| {
@@ -75,7 +75,7 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    pub(crate) fn free_state(&mut self, function: &str, handle: usize) -> Result<(), Fault> {
+    pub(crate) fn free_state(&mut self, function: &str, handle: usize) -> Result<(), CallError> {
         if handle == 0 {
             return Ok(());
         }
@@ -83,11 +83,15 @@ impl<M: Model> Instance<M> {
     }
 
     /// The bytes of a state.
-    pub(crate) fn serialize(&mut self, function: &str, handle: usize) -> Result<Vec<u8>, Fault> {
+    pub(crate) fn serialize(
+        &mut self,
+        function: &str,
+        handle: usize,
+    ) -> Result<Vec<u8>, CallError> {
         self.allow(function, &Phase::ALL[..5])?;
         let snapshot = self.snapshots.get(&handle).ok_or_else(|| unknown(function))?;
         let payload = Self::guarded(function, || write::<M>(snapshot))?;
-        let mut writer = Writer::default();
+        let mut writer = ByteWriter::default();
         writer.u64(u64::from_le_bytes(*MAGIC));
         writer.u64(FORMAT);
         writer.u64(token_hash::<M>());
@@ -104,19 +108,19 @@ impl<M: Model> Instance<M> {
         function: &str,
         bytes: &[u8],
         old: usize,
-    ) -> Result<usize, Fault> {
+    ) -> Result<usize, CallError> {
         self.allow(function, &Phase::ALL[..5])?;
         if old != 0 && !self.snapshots.contains_key(&old) {
             return Err(unknown(function));
         }
         let payload = payload::<M>(bytes)
-            .map_err(|reason| Fault::Refused(format!("{function}: {reason}")))?;
+            .map_err(|reason| CallError::Refused(format!("{function}: {reason}")))?;
         let snapshot = Self::guarded(function, || read_snapshot::<M>(payload))
-            .map_err(|fault| Fault::Refused(format!("{function}: {fault}")))?;
+            .map_err(|fault| CallError::Refused(format!("{function}: {fault}")))?;
         Ok(self.keep(old, snapshot))
     }
 
-    fn keep(&mut self, old: usize, snapshot: Snapshot<M>) -> usize {
+    fn keep(&mut self, old: usize, snapshot: FmuState<M>) -> usize {
         let handle = match old {
             0 => NEXT_HANDLE.fetch_add(1, Ordering::Relaxed),
             old => old,
@@ -126,20 +130,22 @@ impl<M: Model> Instance<M> {
     }
 }
 
-fn unknown(function: &str) -> Fault {
-    Fault::Refused(format!("{function}: the FMU state is not one of this instance, or was freed"))
+fn unknown(function: &str) -> CallError {
+    CallError::Refused(format!(
+        "{function}: the FMU state is not one of this instance, or was freed"
+    ))
 }
 
-fn token_hash<M: Model>() -> u64 {
+fn token_hash<M: FmuModel>() -> u64 {
     fnv1a(M::description().token().as_bytes())
 }
 
 /// Checks the header and returns what it covers.
-fn payload<M: Model>(bytes: &[u8]) -> Result<&[u8], String> {
+fn payload<M: FmuModel>(bytes: &[u8]) -> Result<&[u8], String> {
     let Some((head, payload)) = bytes.split_at_checked(HEADER) else {
         return Err(format!("{} bytes are too few for a saved state", bytes.len()));
     };
-    let mut reader = Reader::new(head);
+    let mut reader = ByteReader::new(head);
     let mut next = || reader.u64().unwrap_or_default();
     if next() != u64::from_le_bytes(*MAGIC) {
         return Err("these bytes are not a saved state of this kind of FMU".to_owned());
@@ -164,9 +170,9 @@ fn payload<M: Model>(bytes: &[u8]) -> Result<&[u8], String> {
     Ok(payload)
 }
 
-fn write<M: Model>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, Fault> {
+fn write<M: FmuModel>(snapshot: &FmuState<M>) -> Result<Vec<u8>, CallError> {
     let core = &snapshot.core;
-    let mut writer = Writer::default();
+    let mut writer = ByteWriter::default();
     let phase = Phase::ALL.iter().position(|p| *p == core.phase).unwrap_or_default();
     writer.u64(phase as u64);
     writer.f64(core.origin);
@@ -182,19 +188,19 @@ fn write<M: Model>(snapshot: &Snapshot<M>) -> Result<Vec<u8>, Fault> {
     Ok(writer.finish())
 }
 
-fn read_snapshot<M: Model>(bytes: &[u8]) -> Result<Snapshot<M>, Fault> {
-    let mut reader = Reader::new(bytes);
+fn read_snapshot<M: FmuModel>(bytes: &[u8]) -> Result<FmuState<M>, CallError> {
+    let mut reader = ByteReader::new(bytes);
     let (core, state) = read_fields::<M>(&mut reader)
-        .ok_or_else(|| Fault::Refused("the saved state ends too early".to_owned()))?;
-    Ok(Snapshot { core, state: state.map(M::load).transpose()? })
+        .ok_or_else(|| CallError::Refused("the saved state ends too early".to_owned()))?;
+    Ok(FmuState { core, state: state.map(M::load).transpose()? })
 }
 
-fn read_fields<'a, M: Model>(reader: &mut Reader<'a>) -> Option<(Core, Option<&'a [u8]>)> {
+fn read_fields<'a, M: FmuModel>(reader: &mut ByteReader<'a>) -> Option<(Core, Option<&'a [u8]>)> {
     let table = &M::description().table;
     let phase = *Phase::ALL.get(usize::try_from(reader.u64()?).ok()?)?;
     let (origin, time) = (reader.f64()?, reader.f64()?);
     let (stops, stop) = (reader.u64()? != 0, reader.f64()?);
-    let mut values = Values::start(table);
+    let mut values = VariableValues::start(table);
     values.numbers = reader.f64s().filter(|n| n.len() == table.variables().len())?;
     for text in &mut values.texts {
         *text = String::from_utf8(reader.blob()?.to_vec()).ok()?;

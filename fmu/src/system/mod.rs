@@ -12,7 +12,7 @@ pub(crate) use ssd::{Ssp, ssd};
 
 use crate::controller::ControllerFmu;
 use crate::description::Description;
-use crate::model::Model;
+use crate::model::FmuModel;
 use crate::variable::Role;
 use crate::vehicle::VehicleFmu;
 

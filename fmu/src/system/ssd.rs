@@ -4,9 +4,9 @@ use super::parameters::{Value, values};
 use super::{NAMES, STEP, STOP, connections};
 use crate::controller::ControllerFmu;
 use crate::description::Description;
-use crate::model::Model;
+use crate::model::FmuModel;
 use crate::ship::{CONTROLLER, VEHICLE};
-use crate::variable::{Kind, Role, Variable};
+use crate::variable::{Role, Variable, VariableType};
 use crate::vehicle::VehicleFmu;
 use crate::xml::{self, Attribute, Xml, number};
 
@@ -173,11 +173,11 @@ fn connector(xml: &mut Xml, ssp: Ssp, variable: &Variable) {
     xml.open("ssd:Connector", &[("name", variable.name.clone()), ("kind", kind.to_owned())]);
     let unit = ("unit", variable.unit.map_or("", |u| u.name).to_owned());
     match (variable.kind, ssp) {
-        (Kind::Real, _) => xml.leaf(ssp.real("ssc"), &[unit]),
-        (Kind::Integer, Ssp::V1) => xml.leaf("ssc:Integer", &[]),
-        (Kind::Integer, Ssp::V2) => xml.leaf("ssc:Int32", &[]),
-        (Kind::Boolean, _) => xml.leaf("ssc:Boolean", &[]),
-        (Kind::Text, _) => xml.leaf("ssc:String", &[]),
+        (VariableType::Real, _) => xml.leaf(ssp.real("ssc"), &[unit]),
+        (VariableType::Integer, Ssp::V1) => xml.leaf("ssc:Integer", &[]),
+        (VariableType::Integer, Ssp::V2) => xml.leaf("ssc:Int32", &[]),
+        (VariableType::Boolean, _) => xml.leaf("ssc:Boolean", &[]),
+        (VariableType::Text, _) => xml.leaf("ssc:String", &[]),
     }
     xml.close("ssd:Connector");
 }
@@ -189,7 +189,7 @@ fn initial(d: &Description) -> Vec<(String, Value)> {
     variables
         .filter(|v| wanted.contains(&v.name.as_str()))
         .map(|v| {
-            let text = v.kind == Kind::Text;
+            let text = v.kind == VariableType::Text;
             let value = if text { Value::Text(v.text.clone()) } else { Value::Number(v.start) };
             (v.name.clone(), value)
         })

@@ -4,9 +4,9 @@
 
 use vehicle_model::{CAR_KEYS, CarDefault, CarKey, CarParams, CarRange};
 
-use crate::table::{Boolean, Real, Table};
+use crate::table::{Boolean, Real, VariableTable};
 use crate::unit;
-use crate::values::Values;
+use crate::values::VariableValues;
 use crate::variable::{Role, Variable};
 
 /// Fields of [`CAR_KEYS`] in the order of their value references, which must not move: what is new
@@ -60,7 +60,7 @@ pub(crate) struct CarSlots {
 
 impl CarSlots {
     /// Appends `car.*` with the numbers of `start`.
-    pub(crate) fn new(table: &mut Table, start: Option<&CarParams>) -> Self {
+    pub(crate) fn new(table: &mut VariableTable, start: Option<&CarParams>) -> Self {
         let numbers = numbers(table, &ORDER, start);
         let mut switch = |name: &str, on: bool, text: &str| {
             let variable = Variable::boolean(name, Role::Fixed, text);
@@ -80,12 +80,12 @@ impl CarSlots {
     }
 
     /// Appends what became a variable later.
-    pub(crate) fn add_later(&mut self, table: &mut Table, start: Option<&CarParams>) {
+    pub(crate) fn add_later(&mut self, table: &mut VariableTable, start: Option<&CarParams>) {
         self.numbers.extend(numbers(table, &LATER, start));
     }
 
     /// The chosen car with every value that is not at its start value.
-    pub(crate) fn read(&self, values: &Values, chosen: &CarParams) -> CarParams {
+    pub(crate) fn read(&self, values: &VariableValues, chosen: &CarParams) -> CarParams {
         let mut car = chosen.clone();
         for (key, slot, start) in &self.numbers {
             let value = values.real(*slot);
@@ -103,7 +103,7 @@ impl CarSlots {
     }
 
     /// Writes the car into the values.
-    pub(crate) fn write(&self, car: &CarParams, values: &mut Values) {
+    pub(crate) fn write(&self, car: &CarParams, values: &mut VariableValues) {
         for (key, slot, _) in &self.numbers {
             values.set_real(*slot, value_of(key, car));
         }
@@ -114,7 +114,7 @@ impl CarSlots {
 
 /// Appends these fields with the numbers of `start`.
 fn numbers(
-    table: &mut Table,
+    table: &mut VariableTable,
     fields: &[&str],
     start: Option<&CarParams>,
 ) -> Vec<(&'static CarKey, Real, f64)> {
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn every_parameter_of_a_car_is_a_variable_with_its_unit() {
-        let mut table = Table::new();
+        let mut table = VariableTable::new();
         let mut slots = CarSlots::new(&mut table, None);
         slots.add_later(&mut table, None);
         assert_eq!(slots.numbers.len(), CAR_KEYS.len());
@@ -148,10 +148,10 @@ mod tests {
         for name in CarParams::builtin_names() {
             let car = CarParams::builtin(name).unwrap();
             let barc = CarParams::builtin("barc").unwrap();
-            let mut table = Table::new();
+            let mut table = VariableTable::new();
             let mut slots = CarSlots::new(&mut table, Some(&barc));
             slots.add_later(&mut table, Some(&barc));
-            let mut values = Values::start(&table);
+            let mut values = VariableValues::start(&table);
             slots.write(&car, &mut values);
             for chosen in [&barc, &car] {
                 let read = slots.read(&values, chosen);

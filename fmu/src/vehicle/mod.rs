@@ -10,10 +10,10 @@ use vehicle_model::{GripChange, Input, Plant, PlantParams, PlantState, SensorNoi
 
 use crate::description::{Description, Terminal};
 use crate::files::{self, CentreLine};
-use crate::model::{Io, Model, Step};
-use crate::status::Fault;
-use crate::table::{Real, Table};
-use crate::values::Values;
+use crate::model::{CommunicationStep, FmuModel, Io};
+use crate::status::CallError;
+use crate::table::{Real, VariableTable};
+use crate::values::VariableValues;
 use slots::Slots;
 
 /// The simulated car behind FMI. Any communication step is taken as it is: the plant cuts it
@@ -42,21 +42,16 @@ pub struct VehicleState {
 fn description() -> &'static (Description, Slots) {
     static CELL: OnceLock<(Description, Slots)> = OnceLock::new();
     CELL.get_or_init(|| {
-        let mut table = Table::new();
+        let mut table = VariableTable::new();
         let slots = Slots::new(&mut table);
         let description = Description {
             model_name: "LMPC vehicle",
             model_identifier: "lmpc_vehicle",
             description: "Single-track race car with tyre model, actuators and noisy sensors",
-            version: env!("CARGO_PKG_VERSION"),
-            stop_time: 60.0,
-            step_size: 0.1,
-            table,
             terminals: Terminal::pair("What the controller commands", "What the sensors measure"),
-            resources: crate::documents::RESOURCES.to_vec(),
             documentation: include_str!("../../doc/vehicle.html"),
             icon: include_bytes!("../../doc/vehicle.png"),
-            token: OnceLock::new(),
+            ..Description::shipped(table)
         };
         (description, slots)
     })
@@ -66,13 +61,13 @@ fn slots() -> &'static Slots {
     &description().1
 }
 
-fn array<const N: usize>(values: &Values, slots: &[Real; N]) -> [f64; N] {
+fn array<const N: usize>(values: &VariableValues, slots: &[Real; N]) -> [f64; N] {
     slots.map(|slot| values.real(slot))
 }
 
 impl VehicleFmu {
     /// The plant the parameters describe, at its start.
-    fn build(io: &Io<'_>) -> Result<Self, Fault> {
+    fn build(io: &Io<'_>) -> Result<Self, CallError> {
         let (slots, values) = (slots(), &*io.values);
         let name = match values.text(slots.car_name) {
             "" => files::CAR,
@@ -93,17 +88,18 @@ impl VehicleFmu {
         let [v_x, v_y, omega_z, e_psi, s, e_y] = array(values, &slots.initial);
         let initial = State { v_x, v_y, omega_z, e_psi, s, e_y };
         let track = files::track(io, values.text(slots.track))?;
-        let plant = Plant::new(params, track, initial).map_err(|e| Fault::Failed(e.to_string()))?;
+        let plant =
+            Plant::new(params, track, initial).map_err(|e| CallError::Failed(e.to_string()))?;
         Ok(Self { plant, grip, measured: initial, warned: false })
     }
 
     /// Grip may change while stepping; everything else of the plant stays.
-    fn retune(&mut self, values: &Values) -> Result<(), Fault> {
+    fn retune(&mut self, values: &VariableValues) -> Result<(), CallError> {
         let grip = array(values, &slots().grip);
         self.set_grip(grip)
     }
 
-    fn set_grip(&mut self, grip: [f64; 2]) -> Result<(), Fault> {
+    fn set_grip(&mut self, grip: [f64; 2]) -> Result<(), CallError> {
         if grip == self.grip {
             return Ok(());
         }
@@ -111,14 +107,14 @@ impl VehicleFmu {
         params.disturbance.grip = grip_changes(grip);
         let (track, state) = (self.plant.track().clone(), self.plant.state().clone());
         let mut plant = Plant::new(params, track, self.plant.truth())
-            .map_err(|e| Fault::Failed(e.to_string()))?;
+            .map_err(|e| CallError::Failed(e.to_string()))?;
         plant.restore(state);
         (self.plant, self.grip) = (plant, grip);
         Ok(())
     }
 
     /// Warns once of a command beyond the car's limits, which is cut; not of a rounding error.
-    fn check_command(&mut self, io: &mut Io<'_>, [a, delta]: [f64; 2], step: &Step) {
+    fn check_command(&mut self, io: &mut Io<'_>, [a, delta]: [f64; 2], step: &CommunicationStep) {
         let car = &self.plant.params().car;
         let ranges = [
             ("cmd.a", a, [car.a_min, car.a_max], "m/s2"),
@@ -137,7 +133,7 @@ impl VehicleFmu {
         }
     }
 
-    fn publish(&self, values: &mut Values) {
+    fn publish(&self, values: &mut VariableValues) {
         let slots = slots();
         let track = self.plant.track();
         let mut write = |slots: &[Real; 9], x: &State| {
@@ -168,14 +164,14 @@ fn grip_changes(grip: [f64; 2]) -> Vec<GripChange> {
     vec![GripChange { factor: grip, time_s: None, s_m: None }]
 }
 
-impl Model for VehicleFmu {
+impl FmuModel for VehicleFmu {
     type State = VehicleState;
 
     fn description() -> &'static Description {
         &description().0
     }
 
-    fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
+    fn start(io: &mut Io<'_>) -> Result<Self, CallError> {
         let mut model = Self::build(io)?;
         model.measured = model.plant.measure();
         model.publish(io.values);
@@ -184,17 +180,17 @@ impl Model for VehicleFmu {
         Ok(model)
     }
 
-    fn in_force(&mut self, values: &mut Values) {
+    fn in_force(&mut self, values: &mut VariableValues) {
         slots().car.write(&self.plant.params().car, values);
     }
 
-    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
+    fn step(&mut self, io: &mut Io<'_>, step: &CommunicationStep) -> Result<(), CallError> {
         self.retune(io.values)?;
         let [a, delta] = array(io.values, &slots().command);
         self.check_command(io, [a, delta], step);
         self.plant.apply(Input { a, delta }, step.size);
         if !self.plant.truth().is_finite() {
-            return Err(Fault::Failed(format!(
+            return Err(CallError::Failed(format!(
                 "the car's state is no longer finite at {} s: an integration step of {} s is too \
                  long for it, or a parameter is extreme",
                 step.end(),
@@ -216,10 +212,10 @@ impl Model for VehicleFmu {
         }
     }
 
-    fn resume(&mut self, state: &VehicleState) -> Result<(), Fault> {
+    fn resume(&mut self, state: &VehicleState) -> Result<(), CallError> {
         state.centre_line.require(self.plant.track())?;
         if state.car != self.plant.params().car.fingerprint() {
-            return Err(Fault::Refused(
+            return Err(CallError::Refused(
                 "the car file holds another car than when saved".to_owned(),
             ));
         }
@@ -230,11 +226,11 @@ impl Model for VehicleFmu {
         Ok(())
     }
 
-    fn save(state: &VehicleState) -> Result<Vec<u8>, Fault> {
-        postcard::to_allocvec(state).map_err(|e| Fault::Refused(format!("saving the car: {e}")))
+    fn save(state: &VehicleState) -> Result<Vec<u8>, CallError> {
+        postcard::to_allocvec(state).map_err(|e| CallError::Refused(format!("saving the car: {e}")))
     }
 
-    fn load(bytes: &[u8]) -> Result<VehicleState, Fault> {
-        postcard::from_bytes(bytes).map_err(|e| Fault::Refused(format!("saved car: {e}")))
+    fn load(bytes: &[u8]) -> Result<VehicleState, CallError> {
+        postcard::from_bytes(bytes).map_err(|e| CallError::Refused(format!("saved car: {e}")))
     }
 }

@@ -6,7 +6,7 @@ use vehicle_model::CarParams;
 
 use super::car::CarSlots;
 use crate::files::{CAR, TRACK};
-use crate::table::{Integer, Real, Table, Text};
+use crate::table::{Integer, Real, Text, VariableTable};
 use crate::unit;
 use crate::variable::{Role, Variable};
 
@@ -80,7 +80,7 @@ const BOUNDS: [(&str, f64, f64); 15] = [
 ];
 
 impl Slots {
-    pub(crate) fn new(t: &mut Table) -> Self {
+    pub(crate) fn new(t: &mut VariableTable) -> Self {
         // The shipped car always reads; were it broken, all would be 0 and refused at the start.
         let car = CarParams::builtin(CAR).ok();
         // A description serves every car, so no car's limits bound the inputs in it.
@@ -141,7 +141,9 @@ impl Slots {
         let truth = nine(&state("truth", Role::Output, "True", 9));
         let start = car;
         let mut car = CarSlots::new(t, start.as_ref());
-        let push = |t: &mut Table, name: &str, text: &str| t.real(name, Role::Fixed, unit::N, text);
+        let push = |t: &mut VariableTable, name: &str, text: &str| {
+            t.real(name, Role::Fixed, unit::N, text)
+        };
         let force = [
             push(t, "force.forward", "Constant force on the car, forward"),
             push(t, "force.left", "Constant force on the car, to the left"),

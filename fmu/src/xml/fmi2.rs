@@ -2,7 +2,7 @@
 
 use super::{Xml, default_experiment, log_categories, number, role, unit_definitions};
 use crate::description::Description;
-use crate::variable::{Kind, Variable};
+use crate::variable::{Variable, VariableType};
 
 pub(crate) fn model_description(d: &Description, token: &str) -> String {
     let mut xml = Xml::new();
@@ -54,30 +54,30 @@ fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
     let settable = variable.role.settable();
     let limit = |x: Option<f64>| match (x, variable.kind) {
         (None, _) => String::new(),
-        (Some(x), Kind::Integer) => format!("{x}"),
+        (Some(x), VariableType::Integer) => format!("{x}"),
         (Some(x), _) => number(x),
     };
     let (name, start) = match variable.kind {
-        Kind::Real => ("Real", number(variable.start)),
-        Kind::Integer => ("Integer", format!("{}", variable.start)),
-        Kind::Boolean => ("Boolean", (variable.start != 0.0).to_string()),
-        Kind::Text => ("String", variable.text.clone()),
+        VariableType::Real => ("Real", number(variable.start)),
+        VariableType::Integer => ("Integer", format!("{}", variable.start)),
+        VariableType::Boolean => ("Boolean", (variable.start != 0.0).to_string()),
+        VariableType::Text => ("String", variable.text.clone()),
     };
     let mut value = Vec::new();
-    if variable.kind == Kind::Real {
+    if variable.kind == VariableType::Real {
         value.push(("unit", variable.unit.map_or("", |u| u.name).to_owned()));
     }
-    if matches!(variable.kind, Kind::Real | Kind::Integer) {
+    if matches!(variable.kind, VariableType::Real | VariableType::Integer) {
         value.push(("min", limit(variable.min)));
         value.push(("max", limit(variable.max)));
     }
-    if variable.kind == Kind::Real {
+    if variable.kind == VariableType::Real {
         value.push(("nominal", limit(variable.nominal)));
     }
     xml.open("ScalarVariable", &attributes);
     match (settable, variable.kind) {
         // An empty text is a start value too, so it cannot be left out.
-        (true, Kind::Text) if start.is_empty() => xml.raw("<String start=\"\"/>"),
+        (true, VariableType::Text) if start.is_empty() => xml.raw("<String start=\"\"/>"),
         (true, _) => {
             value.push(("start", start));
             xml.leaf(name, &value);

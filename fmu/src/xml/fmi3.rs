@@ -2,7 +2,7 @@
 
 use super::{Xml, default_experiment, log_categories, number, role, unit_definitions};
 use crate::description::Description;
-use crate::variable::{Kind, Role, Variable};
+use crate::variable::{Role, Variable, VariableType};
 
 pub(crate) fn model_description(d: &Description, token: &str) -> String {
     let mut xml = Xml::new();
@@ -52,29 +52,29 @@ fn variable(xml: &mut Xml, reference: usize, v: &Variable) {
     attributes.extend(role(v.role));
     let limit = |x: Option<f64>| match (x, v.kind) {
         (None, _) => String::new(),
-        (Some(x), Kind::Integer) => format!("{x}"),
+        (Some(x), VariableType::Integer) => format!("{x}"),
         (Some(x), _) => number(x),
     };
     let (name, start) = match v.kind {
-        Kind::Real => ("Float64", number(v.start)),
-        Kind::Integer => ("Int32", format!("{}", v.start)),
-        Kind::Boolean => ("Boolean", (v.start != 0.0).to_string()),
-        Kind::Text => ("String", String::new()),
+        VariableType::Real => ("Float64", number(v.start)),
+        VariableType::Integer => ("Int32", format!("{}", v.start)),
+        VariableType::Boolean => ("Boolean", (v.start != 0.0).to_string()),
+        VariableType::Text => ("String", String::new()),
     };
-    if v.kind == Kind::Real {
+    if v.kind == VariableType::Real {
         attributes.push(("unit", v.unit.map_or("", |u| u.name).to_owned()));
     }
-    if matches!(v.kind, Kind::Real | Kind::Integer) {
+    if matches!(v.kind, VariableType::Real | VariableType::Integer) {
         attributes.push(("min", limit(v.min)));
         attributes.push(("max", limit(v.max)));
     }
-    if v.kind == Kind::Real {
+    if v.kind == VariableType::Real {
         attributes.push(("nominal", limit(v.nominal)));
     }
     if v.role.settable() {
         attributes.push(("start", start));
     }
-    if v.kind != Kind::Text {
+    if v.kind != VariableType::Text {
         xml.leaf(name, &attributes);
     } else {
         xml.open(name, &attributes);

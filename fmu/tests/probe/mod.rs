@@ -5,8 +5,8 @@
 use std::sync::{Arc, OnceLock};
 
 use fmu_core::{
-    Boolean, Description, Fault, Integer, Io, Model, Reader, Real, Role, Schedule, Step, Table,
-    Terminal, Text, Variable, Writer, unit,
+    Boolean, ByteReader, ByteWriter, CallError, CommunicationStep, Description, FmuModel, Integer,
+    Io, Real, Role, Terminal, Text, TickSchedule, Variable, VariableTable, unit,
 };
 
 /// Internal period [s].
@@ -15,7 +15,7 @@ pub(crate) const PERIOD: f64 = 0.1;
 /// Integrates its input, sampled at its period, and remembers every sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Probe {
-    schedule: Schedule,
+    schedule: TickSchedule,
     x: f64,
     samples: Arc<Vec<f64>>,
 }
@@ -34,7 +34,7 @@ struct Slots {
 fn description() -> &'static (Description, Slots) {
     static CELL: OnceLock<(Description, Slots)> = OnceLock::new();
     CELL.get_or_init(|| {
-        let mut t = Table::new();
+        let mut t = VariableTable::new();
         let slots = Slots {
             u: t.real(
                 "u",
@@ -93,35 +93,35 @@ impl Probe {
     }
 }
 
-impl Model for Probe {
+impl FmuModel for Probe {
     type State = Self;
 
     fn description() -> &'static Description {
         &description().0
     }
 
-    fn start(io: &mut Io<'_>) -> Result<Self, Fault> {
+    fn start(io: &mut Io<'_>) -> Result<Self, CallError> {
         let slots = &description().1;
         if io.values.text(slots.greeting) == "fail" {
-            return Err(Fault::Failed("param.greeting says 'fail'".to_owned()));
+            return Err(CallError::Failed("param.greeting says 'fail'".to_owned()));
         }
-        let schedule = Schedule::new(PERIOD).ok_or(Fault::Failed("period".to_owned()))?;
+        let schedule = TickSchedule::new(PERIOD).ok_or(CallError::Failed("period".to_owned()))?;
         let probe = Self { schedule, x: io.values.real(slots.x0), samples: Arc::default() };
         probe.publish(io);
         Ok(probe)
     }
 
-    fn step(&mut self, io: &mut Io<'_>, step: &Step) -> Result<(), Fault> {
+    fn step(&mut self, io: &mut Io<'_>, step: &CommunicationStep) -> Result<(), CallError> {
         let slots = &description().1;
         if self.schedule.too_long(step.size) {
-            return Err(Fault::Discard(format!("step {} s, period {PERIOD} s", step.size)));
+            return Err(CallError::Discard(format!("step {} s, period {PERIOD} s", step.size)));
         }
         // Spoil an output first: a failure must not let it out.
         io.values.set_real(slots.x, -1.0);
         match io.values.integer(slots.fail) {
             0 => {}
             1 => io.log.warn("100 % warned, as asked: %s %n"),
-            2 => return Err(Fault::Failed("failed, as asked".to_owned())),
+            2 => return Err(CallError::Failed("failed, as asked".to_owned())),
             3 => panic!("panicked, as asked"),
             _ => io.values.set_real(slots.count, f64::NAN),
         }
@@ -144,26 +144,26 @@ impl Model for Probe {
         self.clone()
     }
 
-    fn resume(&mut self, state: &Self) -> Result<(), Fault> {
+    fn resume(&mut self, state: &Self) -> Result<(), CallError> {
         self.clone_from(state);
         Ok(())
     }
 
-    fn save(state: &Self) -> Result<Vec<u8>, Fault> {
-        let mut writer = Writer::default();
+    fn save(state: &Self) -> Result<Vec<u8>, CallError> {
+        let mut writer = ByteWriter::default();
         writer.u64(state.schedule.count() as u64);
         writer.f64(state.x);
         writer.f64s(&state.samples);
         Ok(writer.finish())
     }
 
-    fn load(bytes: &[u8]) -> Result<Self, Fault> {
-        let mut reader = Reader::new(bytes);
+    fn load(bytes: &[u8]) -> Result<Self, CallError> {
+        let mut reader = ByteReader::new(bytes);
         let mut read = || {
-            let schedule = Schedule::resumed(PERIOD, i64::try_from(reader.u64()?).ok()?)?;
+            let schedule = TickSchedule::resumed(PERIOD, i64::try_from(reader.u64()?).ok()?)?;
             let (x, samples) = (reader.f64()?, Arc::new(reader.f64s()?));
             reader.is_empty().then_some(Self { schedule, x, samples })
         };
-        read().ok_or(Fault::Refused("not a saved probe".to_owned()))
+        read().ok_or(CallError::Refused("not a saved probe".to_owned()))
     }
 }

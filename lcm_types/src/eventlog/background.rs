@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
-use super::{Event, Writer};
+use super::{Event, EventWriter};
 use crate::Error;
 
 /// What became of the events of a log.
@@ -56,7 +56,7 @@ impl BackgroundWriter {
         let told = Arc::clone(&losses);
         let thread = Builder::new()
             .name("lcm-log".to_owned())
-            .spawn(move || write_all(Writer::new(out), &events, &told))?;
+            .spawn(move || write_all(EventWriter::new(out), &events, &told))?;
         Ok(Self { queue: Some(queue), thread: Some(thread), losses })
     }
 
@@ -104,7 +104,7 @@ impl Drop for BackgroundWriter {
 }
 
 /// Events written.
-fn write_all<W: Write>(mut log: Writer<W>, events: &Receiver<Event>, losses: &Losses) -> u64 {
+fn write_all<W: Write>(mut log: EventWriter<W>, events: &Receiver<Event>, losses: &Losses) -> u64 {
     let (mut written, mut held) = (0, 0);
     let mut next = events.recv().ok();
     while let Some(event) = next {
@@ -130,7 +130,11 @@ fn write_all<W: Write>(mut log: Writer<W>, events: &Receiver<Event>, losses: &Lo
 }
 
 /// What was `held` in front of the disk is written, or stays held.
-fn flush<W: Write>(log: &mut Writer<W>, (written, held): (&mut u64, &mut u64), losses: &Losses) {
+fn flush<W: Write>(
+    log: &mut EventWriter<W>,
+    (written, held): (&mut u64, &mut u64),
+    losses: &Losses,
+) {
     *losses.trouble() = match log.flush() {
         Ok(()) => {
             *written += std::mem::take(held);

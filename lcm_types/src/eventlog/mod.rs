@@ -11,8 +11,8 @@ mod tests;
 mod writer;
 
 pub use background::{BackgroundWriter, Totals};
-pub use reader::{Damage, Reader};
-pub use writer::Writer;
+pub use reader::{Damage, EventReader};
+pub use writer::EventWriter;
 
 /// What every event begins with.
 pub const SYNC: u32 = 0xEDA1_DA01;

@@ -18,7 +18,7 @@ pub struct Damage {
 
 /// Events of a log, in the order of the file. Bytes that are no event are skipped and counted.
 #[derive(Debug)]
-pub struct Reader<R> {
+pub struct EventReader<R> {
     input: R,
     /// Bytes read and not yet used: `buffer[start..]`.
     buffer: Vec<u8>,
@@ -36,7 +36,7 @@ struct Header {
     data: usize,
 }
 
-impl<R: Read> Reader<R> {
+impl<R: Read> EventReader<R> {
     /// Reads `input` from where it stands.
     pub fn new(input: R) -> Self {
         let damage = Damage::default();
@@ -176,7 +176,7 @@ impl<R: Read> Reader<R> {
     }
 }
 
-impl<R: Read> Iterator for Reader<R> {
+impl<R: Read> Iterator for EventReader<R> {
     type Item = Result<Event, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {

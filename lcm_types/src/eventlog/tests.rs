@@ -3,7 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{BackgroundWriter, Event, Reader, SYNC, Writer};
+use super::{BackgroundWriter, Event, EventReader, EventWriter, SYNC};
 use crate::Error;
 
 fn events(count: usize) -> Vec<Event> {
@@ -19,7 +19,7 @@ fn events(count: usize) -> Vec<Event> {
 }
 
 fn log(events: &[Event]) -> Vec<u8> {
-    let mut writer = Writer::new(Vec::new());
+    let mut writer = EventWriter::new(Vec::new());
     for event in events {
         writer.write(event.utime, &event.channel, &event.data).unwrap();
     }
@@ -27,7 +27,7 @@ fn log(events: &[Event]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> (Vec<Event>, super::Damage) {
-    let mut reader = Reader::new(bytes);
+    let mut reader = EventReader::new(bytes);
     let events = reader.by_ref().collect::<Result<_, _>>().unwrap();
     (events, reader.damage())
 }
@@ -115,7 +115,7 @@ fn random_bytes_never_end_in_anything_but_none() {
 
 #[test]
 fn sizes_no_log_holds_are_refused() {
-    let mut writer = Writer::new(Vec::new());
+    let mut writer = EventWriter::new(Vec::new());
     for channel in [String::new(), "x".repeat(256)] {
         let error = writer.write(0, &channel, &[]).unwrap_err();
         assert!(matches!(error, Error::LogSize { what: "channel", .. }));

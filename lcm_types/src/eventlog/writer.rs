@@ -7,13 +7,13 @@ use crate::Error;
 
 /// Appends events to anything that takes bytes; wrap files in a `BufWriter`.
 #[derive(Debug)]
-pub struct Writer<W> {
+pub struct EventWriter<W> {
     out: W,
     next: i64,
     bytes: Vec<u8>,
 }
 
-impl<W: Write> Writer<W> {
+impl<W: Write> EventWriter<W> {
     /// A log on `out`, whose first event is number 0.
     pub fn new(out: W) -> Self {
         Self { out, next: 0, bytes: Vec::new() }

@@ -1,12 +1,12 @@
 //! Text of a `.lcm` file to tokens, comments attached to what they describe.
 
-use super::{Place, SchemaError};
+use super::{FilePosition, SchemaError};
 
 /// A word, a number or a punctuation mark.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Token {
     pub(super) text: String,
-    pub(super) place: Place,
+    pub(super) place: FilePosition,
     /// Lines of the comments since the token before.
     pub(super) leading: Vec<String>,
     /// Lines of the comment behind the token, on its line.
@@ -15,7 +15,7 @@ pub(super) struct Token {
 
 struct Cursor<'a> {
     rest: &'a str,
-    place: Place,
+    place: FilePosition,
 }
 
 impl<'a> Cursor<'a> {
@@ -65,7 +65,7 @@ impl<'a> Cursor<'a> {
 /// Splits a file into tokens.
 pub(super) fn tokens(file: &str, text: &str) -> Result<Vec<Token>, SchemaError> {
     let mut cursor =
-        Cursor { rest: text, place: Place { file: file.to_owned(), line: 1, column: 1 } };
+        Cursor { rest: text, place: FilePosition { file: file.to_owned(), line: 1, column: 1 } };
     let mut tokens: Vec<Token> = Vec::new();
     let mut leading = Vec::new();
     loop {

@@ -16,7 +16,7 @@ use std::fmt;
 
 /// Where something stands in a `.lcm` file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Place {
+pub struct FilePosition {
     /// Name of the file as given to [`Schema::parse`].
     pub file: String,
     /// Line, from 1. [-]
@@ -29,20 +29,20 @@ pub struct Place {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SchemaError {
     /// Where.
-    pub place: Place,
+    pub place: FilePosition,
     /// What was found and what was expected.
     pub message: String,
 }
 
 impl SchemaError {
-    pub(crate) fn new(place: &Place, message: impl Into<String>) -> Self {
+    pub(crate) fn new(place: &FilePosition, message: impl Into<String>) -> Self {
         Self { place: place.clone(), message: message.into() }
     }
 }
 
 impl fmt::Display for SchemaError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { file, line, column } = &self.place;
+        let FilePosition { file, line, column } = &self.place;
         write!(f, "{file}:{line}:{column}: {}", self.message)
     }
 }
@@ -152,7 +152,7 @@ pub struct Member {
     /// Dimensions, outermost first; empty for a single value.
     pub dims: Vec<Dim>,
     /// Where it is declared.
-    pub place: Place,
+    pub place: FilePosition,
 }
 
 /// One constant of a struct; constants do not enter the fingerprint.
@@ -182,7 +182,7 @@ pub struct Struct {
     /// Constants.
     pub constants: Vec<Constant>,
     /// Where it is declared.
-    pub place: Place,
+    pub place: FilePosition,
 }
 
 impl Struct {
@@ -214,7 +214,7 @@ impl Schema {
         let mut structs = Vec::new();
         for (name, text) in files {
             if text.len() > bounds::MAX_TEXT {
-                let place = Place { file: (*name).to_owned(), line: 1, column: 1 };
+                let place = FilePosition { file: (*name).to_owned(), line: 1, column: 1 };
                 let message = format!("{} bytes, at most {}", text.len(), bounds::MAX_TEXT);
                 return Err(SchemaError::new(&place, message));
             }

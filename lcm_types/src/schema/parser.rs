@@ -1,20 +1,20 @@
 //! Tokens to types.
 
 use super::lexer::{Token, tokens};
-use super::{Constant, Dim, Member, Place, Primitive, Schema, SchemaError, Struct, Type};
+use super::{Constant, Dim, FilePosition, Member, Primitive, Schema, SchemaError, Struct, Type};
 
 struct Parser {
     tokens: Vec<Token>,
     next: usize,
     package: String,
-    end: Place,
+    end: FilePosition,
 }
 
 /// Parses one file into its types; references to other types are checked by the caller.
 pub(super) fn parse_file(file: &str, text: &str) -> Result<Vec<Struct>, SchemaError> {
     let tokens = tokens(file, text)?;
     let end = tokens.last().map_or_else(
-        || Place { file: file.to_owned(), line: 1, column: 1 },
+        || FilePosition { file: file.to_owned(), line: 1, column: 1 },
         |token| token.place.clone(),
     );
     let mut parser = Parser { tokens, next: 0, package: String::new(), end };
@@ -189,7 +189,7 @@ impl Parser {
 }
 
 impl Struct {
-    fn check_new_name(&self, name: &str, place: &Place) -> Result<(), SchemaError> {
+    fn check_new_name(&self, name: &str, place: &FilePosition) -> Result<(), SchemaError> {
         let known = self.members.iter().any(|m| m.name == name)
             || self.constants.iter().any(|c| c.name == name);
         if known || name.contains('.') {

@@ -2,7 +2,7 @@
 
 use super::Value;
 use crate::Error;
-use crate::schema::{Place, Schema, SchemaError, Type};
+use crate::schema::{FilePosition, Schema, SchemaError, Type};
 
 /// The way from a message to one value in it, resolved once.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +22,8 @@ impl Path {
         let mut parts = path.split('.').peekable();
         while let Some(part) = parts.next() {
             let wrong = |message: String| {
-                let place = Place { file: format!("path `{path}` in {name}"), line: 1, column };
+                let place =
+                    FilePosition { file: format!("path `{path}` in {name}"), line: 1, column };
                 Error::Schema(SchemaError::new(&place, message))
             };
             let (member_name, indices) = part.split_at(part.find('[').unwrap_or(part.len()));

@@ -11,8 +11,8 @@ use lcm_types::{
     ActuationCommand, ActuationReport, ArmToken, BootId, Checked as _, Header, MonoTime, SeqNumber,
     VehicleState, channels,
 };
-use safety::{Event, Order, OrderKind, Rules, Safety, decode, step};
-use transport::{Arrival, Error, Filter, Inbox, Message, Sink, Statistics, Transport};
+use safety::{BridgeEvent, Order, OrderKind, Rules, Safety, decode, step};
+use transport::{Arrival, Error, Filter, Inbox, ReceivedMessage, Sink, Statistics, Transport};
 use vehicle_model::{CarParams, State, Track};
 
 const MS: i64 = 1_000_000;
@@ -38,7 +38,12 @@ impl Transport for Bus {
         drop(all);
         for sink in sinks {
             let arrival = Arrival::default();
-            sink.lock().unwrap().deliver(&Message { channel, payload, arrival, sender: None });
+            sink.lock().unwrap().deliver(&ReceivedMessage {
+                channel,
+                payload,
+                arrival,
+                sender: None,
+            });
         }
         Ok(())
     }
@@ -111,22 +116,22 @@ impl Bridge {
         let mut bridge = Self { rules, safety: Safety::default(), network };
         let still = State::default();
         for at_ns in (0..1_200 * MS).step_by(10 * MS as usize) {
-            bridge.on(&Event::State(still, 2), at_ns);
+            bridge.on(&BridgeEvent::State(still, 2), at_ns);
         }
         let now_ns = 1_190 * MS;
         let controller = BootId::new(CONTROLLER);
-        bridge.on(&Event::Heartbeat(controller), now_ns);
+        bridge.on(&BridgeEvent::Heartbeat(controller), now_ns);
         let setup = bridge.rules.setup;
-        bridge.on(&Event::Setup(controller, setup), now_ns);
+        bridge.on(&BridgeEvent::Setup(controller, setup), now_ns);
         for kind in [OrderKind::Arm { moving: false, controller: BootId::NONE }, OrderKind::Start] {
             let token = ArmToken::new(9);
             let order = Order { kind, token, deadman: false, fresh: token };
-            bridge.on(&Event::Order(order), now_ns);
+            bridge.on(&BridgeEvent::Order(order), now_ns);
         }
         bridge
     }
 
-    fn on(&mut self, event: &Event<'_>, at_ns: i64) -> safety::Output {
+    fn on(&mut self, event: &BridgeEvent<'_>, at_ns: i64) -> safety::Output {
         let (next, output) = step(&self.rules, &self.safety, event, MonoTime::from_ns(at_ns));
         self.safety = next;
         output
@@ -134,11 +139,11 @@ impl Bridge {
 
     fn tick(&mut self, n: i64, bytes: &[u8]) {
         let at_ns = 1_200 * MS + 10 * MS * n;
-        self.on(&Event::State(State::default(), 2), at_ns);
-        self.on(&Event::Published(SeqNumber::new(n)), at_ns);
+        self.on(&BridgeEvent::State(State::default(), 2), at_ns);
+        self.on(&BridgeEvent::Published(SeqNumber::new(n)), at_ns);
         let offer = decode(bytes, MonoTime::from_ns(at_ns), &self.rules, "elsewhere").unwrap();
-        self.on(&Event::Command(&offer), at_ns);
-        let output = self.on(&Event::Tick, at_ns);
+        self.on(&BridgeEvent::Command(&offer), at_ns);
+        let output = self.on(&BridgeEvent::Tick, at_ns);
         let h =
             Header { seq: n, boot_id: 5, sender: "bridge@host".to_owned(), ..Header::default() };
         let (mut state, mut report) = (Vec::new(), Vec::new());

@@ -11,7 +11,7 @@ use lcm_types::{Checked as _, Header, Hello, Message as _, OperatorCommand, chan
 use super::key::{Key, KeyError, random};
 use super::peers::Peers;
 use hosting::worker::Worker;
-use transport::{Error, Filter, Message, Sink, Statistics, Transport};
+use transport::{Error, Filter, ReceivedMessage, Sink, Statistics, Transport};
 
 /// Time between two greetings.
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -104,7 +104,7 @@ impl Signed {
         let counts = Counts::default();
         let shared = Arc::new(Shared { network, key, start, seq, peers, met, counts });
         let ear = Arc::clone(&shared);
-        let hear = move |message: &Message<'_>| ear.greeted(message);
+        let hear = move |message: &ReceivedMessage<'_>| ear.greeted(message);
         shared.network.subscribe(Filter::channel(channels::HELLO), Box::new(hear))?;
         let mouth = Arc::clone(&shared);
         let worker = Worker::start("lmpc-hello", move |stop| mouth.greet(stop))?;
@@ -164,7 +164,7 @@ impl Shared {
     }
 
     /// A greeting on the network.
-    fn greeted(&self, message: &Message<'_>) {
+    fn greeted(&self, message: &ReceivedMessage<'_>) {
         let (payload, Some(signature)) = signature::split(message.payload) else { return };
         let Signature { start, seq, tag } = signature;
         if start == self.start || !self.key.holds(message.channel, (start, seq), payload, &tag) {
@@ -282,13 +282,13 @@ impl Gate {
 }
 
 impl Sink for Gate {
-    fn deliver(&mut self, message: &Message<'_>) {
-        let Message { channel, payload, .. } = *message;
+    fn deliver(&mut self, message: &ReceivedMessage<'_>) {
+        let ReceivedMessage { channel, payload, .. } = *message;
         if !is_ours(channel) {
             return self.sink.deliver(message);
         }
         let (payload, signature) = signature::split(payload);
-        let message = Message { payload, ..*message };
+        let message = ReceivedMessage { payload, ..*message };
         match self.check(channel, payload, signature) {
             Ok(()) => self.sink.deliver(&message),
             Err(_) if is_estop(channel, payload) => self.sink.deliver(&message),

@@ -11,7 +11,7 @@ use lcm_types::{
 };
 
 use super::{Key, KeyError, Refusals, Signed};
-use transport::{Arrival, Error, Filter, Inbox, Message, Sink, Statistics, Transport};
+use transport::{Arrival, Error, Filter, Inbox, ReceivedMessage, Sink, Statistics, Transport};
 
 /// Attacks of each kind. \[-\]
 const TIMES: i64 = 10_000;
@@ -45,7 +45,12 @@ impl Transport for Bus {
         };
         for sink in sinks {
             let arrival = Arrival::default();
-            sink.lock().unwrap().deliver(&Message { channel, payload, arrival, sender: None });
+            sink.lock().unwrap().deliver(&ReceivedMessage {
+                channel,
+                payload,
+                arrival,
+                sender: None,
+            });
         }
         Ok(())
     }

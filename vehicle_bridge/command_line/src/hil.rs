@@ -90,7 +90,7 @@ pub struct HilDriveArgs {
 pub struct ProbeArgs {
     /// Which.
     #[command(subcommand)]
-    pub probe: Probe,
+    pub probe: ProbeProgram,
     /// Folder for its files
     #[arg(long, global = true, default_value = ".", value_name = "DIR")]
     pub dir: PathBuf,
@@ -101,7 +101,7 @@ pub struct ProbeArgs {
 
 /// Programs of the shipped benches.
 #[derive(Debug, Subcommand)]
-pub enum Probe {
+pub enum ProbeProgram {
     /// Kill a program that saves learned data, again and again, and look at the files it leaves
     SaverKills {
         /// Kills

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use driven_laps::InputSource;
+use driven_laps::InputChoice;
 
 use super::ControllerArgs;
 
@@ -60,7 +60,7 @@ pub enum InputsName {
     Reckoned,
 }
 
-impl From<InputsName> for InputSource {
+impl From<InputsName> for InputChoice {
     fn from(name: InputsName) -> Self {
         match name {
             InputsName::Auto => Self::Auto,

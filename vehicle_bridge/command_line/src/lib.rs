@@ -29,11 +29,11 @@ pub use car::{CarAction, CarFileArgs, NewCarArgs, ShowCarArgs};
 pub use config::ConfigArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
-pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, Probe, ProbeArgs};
+pub use hil::{DoctorArgs, HilAction, HilArgs, HilDriveArgs, HilRunArgs, ProbeArgs, ProbeProgram};
 pub use key::{KeyAction, KeyArgs};
 pub use learn::LearnArgs;
 pub use network::{
-    CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, Vehicle, VehicleArgs,
+    CarArgs, NetworkArgs, RecordArgs, ReplayArgs, ServeArgs, SimArgs, VehicleArgs, VehicleCommand,
 };
 pub use operator::{BridgeArgs, OperatorArgs, OperatorOrder};
 pub use optimum::OptimumArgs;
@@ -73,12 +73,12 @@ pub struct Cli {
     pub quiet: bool,
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: CliCommand,
 }
 
 /// Subcommands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Run the first things one does, in a minute, and show the command of each
     Tour(TourArgs),
     /// Race a simulated car faster than real time: it learns lap after lap
@@ -131,7 +131,7 @@ pub enum Command {
     Man(ManArgs),
 }
 
-impl Command {
+impl CliCommand {
     /// The network the command joins, if it joins one.
     #[must_use]
     pub fn network(&self) -> Option<&NetworkArgs> {
@@ -143,19 +143,19 @@ impl Command {
             Self::View(args) => args.joined(),
             Self::Record(args) => Some(&args.network),
             Self::Vehicle(args) => match &args.vehicle {
-                Vehicle::Sim(args) => Some(&args.network),
-                Vehicle::Fmu(args) => Some(&args.car.network),
-                Vehicle::Car(args) => Some(&args.network),
-                Vehicle::Inspect(_) | Vehicle::Try(_) => None,
+                VehicleCommand::Sim(args) => Some(&args.network),
+                VehicleCommand::Fmu(args) => Some(&args.car.network),
+                VehicleCommand::Car(args) => Some(&args.network),
+                VehicleCommand::Inspect(_) | VehicleCommand::Try(_) => None,
             },
             Self::Hil(args) => match &args.action {
                 HilAction::Drive(args) => Some(&args.network),
                 HilAction::Probe(args) => match &args.probe {
-                    Probe::DamagedLog { network }
-                    | Probe::LoggedDrive { network }
-                    | Probe::HostileText { network }
-                    | Probe::SignalledCar { network, .. } => Some(network),
-                    Probe::SaverKills { .. } | Probe::Saver => None,
+                    ProbeProgram::DamagedLog { network }
+                    | ProbeProgram::LoggedDrive { network }
+                    | ProbeProgram::HostileText { network }
+                    | ProbeProgram::SignalledCar { network, .. } => Some(network),
+                    ProbeProgram::SaverKills { .. } | ProbeProgram::Saver => None,
                 },
                 HilAction::Run(_) => None,
             },

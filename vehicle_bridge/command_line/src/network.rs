@@ -102,12 +102,12 @@ pub struct ServeArgs {
 pub struct VehicleArgs {
     /// Which vehicle.
     #[command(subcommand)]
-    pub vehicle: Vehicle,
+    pub vehicle: VehicleCommand,
 }
 
 /// Vehicles.
 #[derive(Debug, Subcommand)]
-pub enum Vehicle {
+pub enum VehicleCommand {
     /// A simulated car
     Sim(Box<SimArgs>),
     /// A real car that speaks its own messages

@@ -1,7 +1,7 @@
 //! From a recording to the steps a controller learns from.
 
 use controller::learning::inverse::{self, Period};
-use controller::{Config, DrivenStep};
+use controller::{Config, DrivenStep, Pose};
 use vehicle_model::track::wrap_angle;
 use vehicle_model::{
     CarParams, Discretized, GlobalState, Input, Model, ModelKind, Outline, State, Track,
@@ -10,7 +10,7 @@ use vehicle_model::{
 use super::inputs::Held;
 use super::signal::{Signal, unwrapped};
 use super::smooth::MIN_SAMPLES;
-use super::{InputSource, Place, Recorded, Recording};
+use super::{InputChoice, Recorded, Recording};
 
 /// A gap is longer than this many intervals of the recording, and than this many periods.
 const GAP_INTERVALS: f64 = 4.5;
@@ -20,7 +20,7 @@ const CARRIED: f64 = 3.0;
 
 /// A drive on the grid of the control periods.
 #[derive(Debug, Clone)]
-pub struct Driven {
+pub struct ResampledDrive {
     /// One step a period.
     pub steps: Vec<DrivenStep>,
     /// Stretches without a gap.
@@ -64,15 +64,15 @@ impl LapAccount {
 #[must_use]
 pub fn drive(
     recording: &Recording,
-    source: InputSource,
+    source: InputChoice,
     smoothing: bool,
     (config, car, track): (&Config, &CarParams, &Track),
-) -> Driven {
+) -> ResampledDrive {
     let states = &recording.states;
     let interval = median_interval(states);
     let period = config.horizon.period;
     let differentiated = states.iter().any(|state| state.velocities.is_none());
-    let mut driven = Driven {
+    let mut driven = ResampledDrive {
         steps: Vec::new(),
         stretches: 0,
         used: 0,
@@ -125,9 +125,9 @@ fn median_interval(states: &[Recorded]) -> f64 {
 }
 
 fn pose(state: &Recorded, track: &Track) -> GlobalState {
-    match state.place {
-        Place::Global(pose) => pose,
-        Place::Frenet(x) => track.to_global(&x),
+    match state.pose {
+        Pose::Global(pose) => pose,
+        Pose::Frenet(x) => track.to_global(&x),
     }
 }
 
@@ -236,18 +236,18 @@ fn stopped(x: &State, config: &Config) -> bool {
 }
 
 fn give_inputs(
-    driven: &mut Driven,
+    driven: &mut ResampledDrive,
     recording: &Recording,
-    source: InputSource,
+    source: InputChoice,
     steers: &[Option<f64>],
     (config, car, track): (&Config, &CarParams, &Track),
 ) {
     let period = config.horizon.period;
-    let recorded = !recording.inputs.is_empty() && source != InputSource::Reckoned;
+    let recorded = !recording.inputs.is_empty() && source != InputChoice::Reckoned;
     if recorded {
         let applied = match source {
-            InputSource::Applied => true,
-            InputSource::Commanded => false,
+            InputChoice::Applied => true,
+            InputChoice::Commanded => false,
             _ => recording.applied,
         };
         let delay = config.delay.steps as f64 * period;

@@ -13,9 +13,10 @@ mod table;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use vehicle_model::{GlobalState, Input, State};
+use controller::Pose;
+use vehicle_model::Input;
 
-pub use drive::{Driven, LapAccount, drive};
+pub use drive::{LapAccount, ResampledDrive, drive};
 
 /// What a file says of a drive, in the order of time.
 #[derive(Debug, Clone, Default)]
@@ -36,26 +37,17 @@ pub struct Recording {
 pub struct Recorded {
     /// When \[s\].
     pub time: f64,
-    /// Where, in the world's frame or the track's.
-    pub place: Place,
+    /// Where; its velocities are not used.
+    pub pose: Pose,
     /// Velocities [v_x, v_y, omega_z], where they were measured \[m/s, m/s, rad/s\].
     pub velocities: Option<[f64; 3]>,
     /// Steering angle, where it was measured \[rad\].
     pub steer: Option<f64>,
 }
 
-/// A place with a heading.
-#[derive(Debug, Clone, Copy)]
-pub enum Place {
-    /// In the world's frame; the velocities are not used.
-    Global(GlobalState),
-    /// In the track's frame; the velocities are not used.
-    Frenet(State),
-}
-
 /// Which recorded inputs are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum InputSource {
+pub enum InputChoice {
     /// Those of the recording if it has any, else reckoned ones.
     #[default]
     Auto,

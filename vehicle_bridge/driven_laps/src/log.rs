@@ -6,11 +6,12 @@ use std::io::{BufReader, Read as _};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
-use lcm_types::eventlog::{Reader, SYNC};
+use controller::Pose;
+use lcm_types::eventlog::{EventReader, SYNC};
 use lcm_types::{ActuationCommand, ActuationReport, Checked as _, VehicleState, channels};
 use vehicle_model::{GlobalState, Input, State};
 
-use super::{Place, Recorded, Recording};
+use super::{Recorded, Recording};
 
 /// Whether the file begins as an event log does.
 pub(super) fn is_log(path: &Path) -> std::io::Result<bool> {
@@ -27,7 +28,7 @@ const SAME_PACE: f64 = 0.02;
 pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
-    let mut events = Reader::new(BufReader::new(file));
+    let mut events = EventReader::new(BufReader::new(file));
     let mut recording = Recording::default();
     let (mut clock, mut reports, mut commands) = (Clock::default(), Vec::new(), Vec::new());
     let mut seen: BTreeMap<String, u64> = BTreeMap::new();
@@ -137,16 +138,16 @@ pub(super) fn until_then(reports: Vec<(f64, Input)>) -> Vec<(f64, Input)> {
 
 fn recorded(state: &VehicleState, time: f64) -> Option<Recorded> {
     let has = |bit| state.valid & bit != 0;
-    let place = if has(VehicleState::POSE) {
+    let pose = if has(VehicleState::POSE) {
         let (x, y, psi) = (state.x, state.y, state.yaw);
-        Place::Global(GlobalState { x, y, psi, ..GlobalState::default() })
+        Pose::Global(GlobalState { x, y, psi, ..GlobalState::default() })
     } else if has(VehicleState::FRENET) {
         let (s, e_y, e_psi) = (state.frenet.s, state.frenet.e_y, state.frenet.e_psi);
-        Place::Frenet(State { s, e_y, e_psi, ..State::default() })
+        Pose::Frenet(State { s, e_y, e_psi, ..State::default() })
     } else {
         return None;
     };
     let velocities = has(VehicleState::VEL).then_some([state.vx, state.vy, state.yaw_rate]);
     let steer = has(VehicleState::STEER).then_some(state.steer);
-    Some(Recorded { time, place, velocities, steer })
+    Some(Recorded { time, pose, velocities, steer })
 }

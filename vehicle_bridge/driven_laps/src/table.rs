@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use controller::Pose;
 use lcm_types::VehicleState;
 use vehicle_model::{GlobalState, Input, State};
 
 use super::log::until_then;
-use super::{Place, Recorded, Recording};
+use super::{Recorded, Recording};
 
 /// Names a column may have.
 const TIME: &[&str] = &["time_s", "time", "t", "t_s", "timestamp"];
@@ -40,19 +41,19 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     };
     let find = |names| table.column(names);
     let (global, frenet) = ([find(X), find(Y), find(PSI)], [find(S), find(E_Y), find(E_PSI)]);
-    let place: Box<dyn Fn(usize) -> Option<Place>> = if let [Some(x), Some(y), Some(psi)] = global {
+    let pose: Box<dyn Fn(usize) -> Option<Pose>> = if let [Some(x), Some(y), Some(psi)] = global {
         let table = &table;
         Box::new(move |row| {
             let (x, y, psi) =
                 (table.number(row, x)?, table.number(row, y)?, table.number(row, psi)?);
-            Some(Place::Global(GlobalState { x, y, psi, ..GlobalState::default() }))
+            Some(Pose::Global(GlobalState { x, y, psi, ..GlobalState::default() }))
         })
     } else if let [Some(s), Some(e_y), Some(e_psi)] = frenet {
         let table = &table;
         Box::new(move |row| {
             let s = table.number(row, s)?;
             let (e_y, e_psi) = (table.number(row, e_y)?, table.number(row, e_psi)?);
-            Some(Place::Frenet(State { s, e_y, e_psi, ..State::default() }))
+            Some(Pose::Frenet(State { s, e_y, e_psi, ..State::default() }))
         })
     } else {
         bail!(
@@ -68,8 +69,8 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         let bits = valid.and_then(|column| table.number(row, column));
         let has = |bit: i32| bits.is_none_or(|bits| bits as i64 & i64::from(bit) != 0);
         let at = |column: Option<usize>| table.number(row, column?);
-        let (Some(time), Some(place)) =
-            (table.seconds(row, time), place(row).filter(|_| has(VehicleState::POSE)))
+        let (Some(time), Some(pose)) =
+            (table.seconds(row, time), pose(row).filter(|_| has(VehicleState::POSE)))
         else {
             recording.unusable += 1;
             continue;
@@ -81,7 +82,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
             _ => None,
         };
         let steer = at(steer).filter(|_| has(VehicleState::STEER));
-        recording.states.push(Recorded { time, place, velocities, steer });
+        recording.states.push(Recorded { time, pose, velocities, steer });
         if let (Some(a), Some(delta)) = (at(find(A)), at(find(DELTA))) {
             recording.inputs.push((time, Input { a, delta }));
         }

@@ -7,7 +7,7 @@ use vehicle_model::params::ParamProblem;
 use vehicle_model::{CarParams, ModelError, Track, TrackError};
 
 use super::source::Source;
-use super::{Finding, Kind};
+use super::{FileKind, FileProblem};
 use hil_bench::Bench;
 use mapping::MapFile;
 use services::map_file;
@@ -15,7 +15,7 @@ use vehicle_host::fmu::map::Map;
 use vehicle_host::fmu::misfits;
 
 /// What a file is, told from its content: it may be too damaged to be parsed.
-pub(super) fn recognise(file: &str, text: &str) -> Kind {
+pub(super) fn recognise(file: &str, text: &str) -> FileKind {
     let keys = || {
         let lines = text.lines().map(str::trim_start).filter(|line| !line.starts_with('#'));
         lines.map(|line| {
@@ -24,24 +24,24 @@ pub(super) fn recognise(file: &str, text: &str) -> Kind {
     };
     let has = |wanted: &[&str]| keys().any(|key| wanted.contains(&key));
     if has(&["scenario"]) {
-        Kind::Bench
+        FileKind::Bench
     } else if has(&["frame"]) && has(&["input"]) {
-        Kind::VehicleMap
+        FileKind::VehicleMap
     } else if has(&["source", "command"]) {
-        Kind::Map
+        FileKind::Map
     } else if has(&["segment", "width_left_m", "width_right_m"]) {
-        Kind::Track
+        FileKind::Track
     } else if has(&["mass_kg", "inertia_z_kgm2", "tyre_front", "tyre_rear"]) {
-        Kind::Car
+        FileKind::Car
     } else if is_toml(text) || file.ends_with(".toml") {
-        Kind::Configuration
+        FileKind::Configuration
     } else {
-        Kind::Track
+        FileKind::Track
     }
 }
 
 /// Problems of a configuration.
-pub(super) fn configuration(text: &str) -> Vec<Finding> {
+pub(super) fn configuration(text: &str) -> Vec<FileProblem> {
     let mut source = Source::new(text);
     let parse = |text: &str| toml::from_str::<Config>(text).map(|_| ());
     let mut findings = Vec::new();
@@ -52,7 +52,7 @@ pub(super) fn configuration(text: &str) -> Vec<Finding> {
     let problems = match Config::from_toml(source.text()) {
         Err(ConfigError::Values(problems)) => problems,
         Err(error) => {
-            findings.push(Finding::of(error.to_string()));
+            findings.push(FileProblem::of(error.to_string()));
             return findings;
         }
         Ok(_) => Vec::new(),
@@ -60,13 +60,13 @@ pub(super) fn configuration(text: &str) -> Vec<Finding> {
     findings.extend(problems.into_iter().map(|problem| {
         let key = problem.key.split(' ').next().unwrap_or_default();
         let line = source.line_of(key);
-        Finding { line, column: None, message: format!("{}: {}", problem.key, problem.message) }
+        FileProblem { line, column: None, message: format!("{}: {}", problem.key, problem.message) }
     }));
     findings
 }
 
 /// Problems of a car file.
-pub(super) fn car(text: &str) -> Vec<Finding> {
+pub(super) fn car(text: &str) -> Vec<FileProblem> {
     let mut source = Source::new(text);
     let mut findings = Vec::new();
     let parse = |text: &str| match CarParams::from_toml(text) {
@@ -84,40 +84,40 @@ pub(super) fn car(text: &str) -> Vec<Finding> {
         };
         findings.extend(problems.into_iter().filter(real).map(|mut problem| {
             let line = problem.line.take().and_then(|line| source.original_line(line));
-            Finding { line, column: None, message: problem.to_string() }
+            FileProblem { line, column: None, message: problem.to_string() }
         }));
     }
     findings
 }
 
 /// Problems of a track file.
-pub(super) fn track(file: &str, text: &str) -> Vec<Finding> {
+pub(super) fn track(file: &str, text: &str) -> Vec<FileProblem> {
     let finding = |error: TrackError| match error {
-        TrackError::Syntax { line, column, found, expected } => Finding {
+        TrackError::Syntax { line, column, found, expected } => FileProblem {
             line: Some(line),
             column: Some(column),
             message: format!("{found}; expected {expected}"),
         },
-        other => Finding::of(other.to_string()),
+        other => FileProblem::of(other.to_string()),
     };
     Track::check(file, text).into_iter().map(finding).collect()
 }
 
 /// Problems of a bench file.
-pub(super) fn bench(text: &str) -> Vec<Finding> {
+pub(super) fn bench(text: &str) -> Vec<FileProblem> {
     let mut source = Source::new(text);
     let mut findings = Vec::new();
     let parse = |text: &str| toml::from_str::<Bench>(text).map(|_| ());
     if source.read(&mut findings, parse)
         && let Ok(bench) = toml::from_str::<Bench>(source.text())
     {
-        findings.extend(bench.problems().into_iter().map(Finding::of));
+        findings.extend(bench.problems().into_iter().map(FileProblem::of));
     }
     findings
 }
 
 /// Problems of a map file, and of the `.lcm` files it names.
-pub(super) fn map(file: &str, text: &str) -> Vec<Finding> {
+pub(super) fn map(file: &str, text: &str) -> Vec<FileProblem> {
     let mut source = Source::new(text);
     let mut findings = Vec::new();
     let parse = |text: &str| toml::from_str::<MapFile>(text).map(|_| ());
@@ -131,14 +131,14 @@ pub(super) fn map(file: &str, text: &str) -> Vec<Finding> {
                 Some(line) => Some(source.original_line(line)?),
                 None => None,
             };
-            Some(Finding { line, column: None, message: problem.message })
+            Some(FileProblem { line, column: None, message: problem.message })
         }));
     }
     findings
 }
 
 /// Problems of a vehicle FMU's map, and of the two together if it names the FMU.
-pub(super) fn vehicle_map(file: &str, text: &str) -> Vec<Finding> {
+pub(super) fn vehicle_map(file: &str, text: &str) -> Vec<FileProblem> {
     let mut source = Source::new(text);
     let mut findings = Vec::new();
     let parse = |text: &str| toml::from_str::<Map>(text).map(|_| ());
@@ -158,7 +158,7 @@ pub(super) fn vehicle_map(file: &str, text: &str) -> Vec<Finding> {
     problems.dedup();
     findings.extend(problems.into_iter().map(|(key, what)| {
         let line = source.line_of(&key);
-        Finding { line, column: None, message: format!("{key}: {what}") }
+        FileProblem { line, column: None, message: format!("{key}: {what}") }
     }));
     findings
 }

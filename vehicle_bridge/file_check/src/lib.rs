@@ -17,7 +17,7 @@ pub use car::facts;
 /// Kind of a file, recognised from its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum FileKind {
     /// Configuration of the controller.
     Configuration,
     /// Parameters of a car.
@@ -34,7 +34,7 @@ pub enum Kind {
     Unknown,
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for FileKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Configuration => "configuration",
@@ -50,7 +50,7 @@ impl fmt::Display for Kind {
 
 /// One problem.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Finding {
+pub struct FileProblem {
     /// Line, from 1, where it is known.
     pub line: Option<usize>,
     /// Column, from 1, where it is known.
@@ -59,14 +59,14 @@ pub struct Finding {
     pub message: String,
 }
 
-impl Finding {
+impl FileProblem {
     /// A problem whose place is not known, or stands in the message.
     fn of(message: String) -> Self {
         Self { line: None, column: None, message }
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for FileProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.line, self.column) {
             (Some(line), Some(column)) => write!(f, "line {line}, column {column}: ")?,
@@ -79,15 +79,15 @@ impl fmt::Display for Finding {
 
 /// What was found in a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Checked {
+pub struct CheckedFile {
     /// The file.
     pub file: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: FileKind,
     /// What it was read as, in words; empty while there are problems.
     pub facts: Vec<String>,
     /// Its problems, by line.
-    pub problems: Vec<Finding>,
+    pub problems: Vec<FileProblem>,
 }
 
 /// Longest file that is read; a map of a long circuit takes a few MiB. \[B\]
@@ -95,13 +95,13 @@ const LONGEST: usize = 64 << 20;
 
 /// Checks a file.
 #[must_use]
-pub fn check_file(path: &Path) -> Checked {
+pub fn check_file(path: &Path) -> CheckedFile {
     let file = path.display().to_string();
-    let unreadable = |message: String| Checked {
+    let unreadable = |message: String| CheckedFile {
         file: file.clone(),
-        kind: Kind::Unknown,
+        kind: FileKind::Unknown,
         facts: Vec::new(),
-        problems: vec![Finding { line: None, column: None, message }],
+        problems: vec![FileProblem { line: None, column: None, message }],
     };
     let mut bytes = Vec::new();
     let read =
@@ -125,22 +125,22 @@ pub fn check_file(path: &Path) -> Checked {
 
 /// Checks the text of a file of this name.
 #[must_use]
-pub fn check_text(file: &str, text: &str) -> Checked {
+pub fn check_text(file: &str, text: &str) -> CheckedFile {
     let kind = kinds::recognise(file, text);
     let mut problems = match kind {
-        Kind::Configuration | Kind::Unknown => kinds::configuration(text),
-        Kind::Car => kinds::car(text),
-        Kind::Track => kinds::track(file, text),
-        Kind::Bench => kinds::bench(text),
-        Kind::Map => kinds::map(file, text),
-        Kind::VehicleMap => kinds::vehicle_map(file, text),
+        FileKind::Configuration | FileKind::Unknown => kinds::configuration(text),
+        FileKind::Car => kinds::car(text),
+        FileKind::Track => kinds::track(file, text),
+        FileKind::Bench => kinds::bench(text),
+        FileKind::Map => kinds::map(file, text),
+        FileKind::VehicleMap => kinds::vehicle_map(file, text),
     };
     problems.sort_by_key(|p| (p.line.is_none(), p.line, p.column));
     let facts = match kind {
-        Kind::Car if problems.is_empty() => {
+        FileKind::Car if problems.is_empty() => {
             CarParams::from_toml(text).map_or(Vec::new(), |car| facts(&car))
         }
         _ => Vec::new(),
     };
-    Checked { file: file.to_owned(), kind, facts, problems }
+    CheckedFile { file: file.to_owned(), kind, facts, problems }
 }

@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use vehicle_model::explain_unknown_key;
 
-use super::Finding;
+use super::FileProblem;
 
 /// Most findings in one file; what follows so many is noise.
 const MOST_FINDINGS: usize = 100;
@@ -43,7 +43,7 @@ impl Source {
     /// wrong type. Whether what is left can be read.
     pub(super) fn read(
         &mut self,
-        findings: &mut Vec<Finding>,
+        findings: &mut Vec<FileProblem>,
         parse: impl Fn(&str) -> Result<(), toml::de::Error>,
     ) -> bool {
         self.syntax(findings);
@@ -51,7 +51,7 @@ impl Source {
             let Err(error) = parse(&self.text) else { return true };
             let message = error.message();
             let Some(span) = error.span() else {
-                findings.push(Finding::of(message.to_owned()));
+                findings.push(FileProblem::of(message.to_owned()));
                 return false;
             };
             let line = position(&self.text, span.start).0 - 1;
@@ -82,11 +82,15 @@ impl Source {
     }
 
     /// Reports a key missing from the table that begins at `line` and puts a stand-in there.
-    fn missing(&mut self, line: usize, key: &str, message: &str, findings: &mut Vec<Finding>) {
+    fn missing(&mut self, line: usize, key: &str, message: &str, findings: &mut Vec<FileProblem>) {
         let header = self.line_text(line).trim().to_owned();
         if header.starts_with('[') {
             let message = format!("{header}: {message}");
-            findings.push(Finding { line: self.original_line(line + 1), column: None, message });
+            findings.push(FileProblem {
+                line: self.original_line(line + 1),
+                column: None,
+                message,
+            });
             self.supply(line + 1, key);
             return;
         }
@@ -96,7 +100,7 @@ impl Source {
             rest.is_some_and(|rest| rest.trim_start().starts_with('='))
         });
         if !blanked {
-            findings.push(Finding::of(message.to_owned()));
+            findings.push(FileProblem::of(message.to_owned()));
         }
         self.supply(0, key);
     }
@@ -166,7 +170,7 @@ impl Source {
     }
 
     /// Finds what is no TOML and blanks out its lines.
-    fn syntax(&mut self, findings: &mut Vec<Finding>) {
+    fn syntax(&mut self, findings: &mut Vec<FileProblem>) {
         while findings.len() < MOST_FINDINGS {
             let errors = DeTable::parse_recoverable(&self.text).1;
             let Some(error) = errors.first() else { return };
@@ -179,7 +183,7 @@ impl Source {
         }
     }
 
-    fn finding(&self, span: &Range<usize>, message: &str) -> Finding {
+    fn finding(&self, span: &Range<usize>, message: &str) -> FileProblem {
         let (line, column) = position(&self.text, span.start);
         let found = self.text.get(span.clone()).unwrap_or_default().lines().next().unwrap_or("");
         let message = explain_unknown_key(message).lines().collect::<Vec<_>>().join("; ");
@@ -188,7 +192,7 @@ impl Source {
         } else {
             format!("found `{}`: {message}", found.trim())
         };
-        Finding { line: self.original_line(line), column: Some(column), message }
+        FileProblem { line: self.original_line(line), column: Some(column), message }
     }
 
     /// Everything that belongs to the innermost entry around `span`: its key, value and, if it is

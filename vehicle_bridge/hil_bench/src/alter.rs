@@ -3,21 +3,21 @@
 use lcm_types::{ActuationCommand, OperatorCommand, VehicleState, channels};
 use rand::RngExt as _;
 
-use super::fault::{Action, Field};
+use super::fault::{FaultKind, Field};
 use super::field::FieldMemory;
 use super::random::Random;
 
 /// Applies a fault that changes what a message says; whether it did. Checksums are made anew, so
 /// that only what is said is wrong.
 pub(super) fn message(
-    action: &Action,
+    action: &FaultKind,
     channel: &str,
     bytes: &mut Vec<u8>,
     memory: &mut Memory,
     random: &mut Random,
 ) -> bool {
     match action {
-        Action::Corrupt { bits } => {
+        FaultKind::Corrupt { bits } => {
             for _ in 0..*bits {
                 let bit = random.random_range(0..8 * bytes.len().max(1));
                 if let Some(byte) = bytes.get_mut(bit / 8) {
@@ -26,7 +26,7 @@ pub(super) fn message(
             }
             true
         }
-        Action::Fingerprint {} => {
+        FaultKind::Fingerprint {} => {
             if let Some(byte) = bytes.get_mut(7) {
                 *byte ^= 0x5a;
             }
@@ -67,15 +67,15 @@ fn resealed<M: lcm_types::Checked>(
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "ages of a run")]
-fn header(action: &Action, h: &mut lcm_types::Header, memory: &mut Memory) -> bool {
+fn header(action: &FaultKind, h: &mut lcm_types::Header, memory: &mut Memory) -> bool {
     match action {
-        Action::Stale { ms } => h.mono_ns -= (ms * 1e6) as i64,
-        Action::WallClock { jump_s } => {
+        FaultKind::Stale { ms } => h.mono_ns -= (ms * 1e6) as i64,
+        FaultKind::WallClock { jump_s } => {
             memory.flip = !memory.flip;
             let jump = (jump_s * 1e6) as i64;
             h.utime += if memory.flip { jump } else { -jump };
         }
-        Action::ClockDrift { ppm } => {
+        FaultKind::ClockDrift { ppm } => {
             let first = *memory.drift_ns.get_or_insert(h.mono_ns);
             let ahead = ((h.mono_ns - first) as f64 * ppm * 1e-6) as i64;
             h.mono_ns += ahead;
@@ -87,17 +87,17 @@ fn header(action: &Action, h: &mut lcm_types::Header, memory: &mut Memory) -> bo
 }
 
 fn command(
-    action: &Action,
+    action: &FaultKind,
     m: &mut ActuationCommand,
     memory: &mut Memory,
     random: &mut Random,
 ) -> bool {
-    if let Action::Freeze {} = action {
+    if let FaultKind::Freeze {} = action {
         let old = memory.command.get_or_insert_with(|| m.clone());
         (m.accel, m.steer) = (old.accel, old.steer);
         return true;
     }
-    if let Action::Ttl { ms } = action {
+    if let FaultKind::Ttl { ms } = action {
         #[expect(clippy::cast_possible_truncation, reason = "times of a run")]
         let valid = (ms * 1e3) as i32;
         m.valid_for_us = valid;
@@ -113,16 +113,21 @@ fn command(
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "ages of a run")]
-fn state(action: &Action, m: &mut VehicleState, memory: &mut Memory, random: &mut Random) -> bool {
+fn state(
+    action: &FaultKind,
+    m: &mut VehicleState,
+    memory: &mut Memory,
+    random: &mut Random,
+) -> bool {
     match action {
-        Action::Freeze {} => {
+        FaultKind::Freeze {} => {
             let old = memory.state.get_or_insert_with(|| m.clone());
             let (h, meas) = (m.h.clone(), (m.meas_utime, m.meas_mono_ns));
             *m = VehicleState { h, meas_utime: meas.0, meas_mono_ns: meas.1, ..old.clone() };
             return true;
         }
-        Action::Stale { ms } => m.meas_mono_ns -= (ms * 1e6) as i64,
-        Action::ClockDrift { ppm } => {
+        FaultKind::Stale { ms } => m.meas_mono_ns -= (ms * 1e6) as i64,
+        FaultKind::ClockDrift { ppm } => {
             let first = memory.drift_ns.unwrap_or(m.h.mono_ns);
             m.meas_mono_ns += ((m.meas_mono_ns - first) as f64 * ppm * 1e-6) as i64;
         }
@@ -145,7 +150,7 @@ fn state(action: &Action, m: &mut VehicleState, memory: &mut Memory, random: &mu
 }
 
 fn field<'m>(
-    action: &Action,
+    action: &FaultKind,
     (now_ns, memory): (i64, &mut FieldMemory),
     random: &mut Random,
     place: impl FnOnce(Field) -> Option<&'m mut f64>,
@@ -172,7 +177,7 @@ mod tests {
         bytes
     }
 
-    fn altered(action: &Action) -> Result<ActuationCommand, lcm_types::Error> {
+    fn altered(action: &FaultKind) -> Result<ActuationCommand, lcm_types::Error> {
         let (mut bytes, mut memory) = (sealed(), Memory::default());
         assert!(message(action, channels::COMMAND, &mut bytes, &mut memory, &mut random::of(1)));
         ActuationCommand::open(&bytes)
@@ -180,12 +185,18 @@ mod tests {
 
     #[test]
     fn only_what_is_said_is_wrong() {
-        assert!(altered(&Action::Nan { field: Field::Accel }).unwrap().accel.is_nan());
-        assert_eq!(altered(&Action::Bias { field: Field::Accel, value: 0.5 }).unwrap().accel, 1.5);
-        assert_eq!(altered(&Action::Stale { ms: 300.0 }).unwrap().h.mono_ns, -300_000_000);
-        assert!(matches!(altered(&Action::Corrupt { bits: 1 }), Err(lcm_types::Error::Crc { .. })));
+        assert!(altered(&FaultKind::Nan { field: Field::Accel }).unwrap().accel.is_nan());
+        assert_eq!(
+            altered(&FaultKind::Bias { field: Field::Accel, value: 0.5 }).unwrap().accel,
+            1.5
+        );
+        assert_eq!(altered(&FaultKind::Stale { ms: 300.0 }).unwrap().h.mono_ns, -300_000_000);
         assert!(matches!(
-            altered(&Action::Fingerprint {}),
+            altered(&FaultKind::Corrupt { bits: 1 }),
+            Err(lcm_types::Error::Crc { .. })
+        ));
+        assert!(matches!(
+            altered(&FaultKind::Fingerprint {}),
             Err(lcm_types::Error::Fingerprint { .. })
         ));
     }

@@ -3,7 +3,7 @@
 use lcm_types::{ActuationCommand, Checked as _, Header, Heartbeat, Message as _, channels};
 use rand::RngExt as _;
 
-use super::fault::{Action, Token};
+use super::fault::{FaultKind, Token};
 use super::forge;
 use super::proxy::Active;
 use super::random::{self, Random};
@@ -87,14 +87,14 @@ pub(super) fn send(
 ) -> u32 {
     let genuine = || sniffed.command.as_slice();
     match active.fault.action {
-        Action::Storm { rate_hz, bytes } => {
+        FaultKind::Storm { rate_hz, bytes } => {
             let channel = active.fault.channel.clone().unwrap_or_else(|| "STORM".to_owned());
             let count = due(&mut active.next_ns, time, rate_hz);
             let content = random::bytes(&mut active.random, bytes);
             (0..count).for_each(|_| out(&channel, &content));
             count
         }
-        Action::SecondController { rate_hz, token } => {
+        FaultKind::SecondController { rate_hz, token } => {
             let count = due(&mut active.next_ns, time, rate_hz);
             for _ in 0..count {
                 if token == Token::Impostor {
@@ -114,7 +114,7 @@ pub(super) fn send(
             }
             count
         }
-        Action::Forge { message, rate_hz } => {
+        FaultKind::Forge { message, rate_hz } => {
             let count = due(&mut active.next_ns, time, rate_hz);
             for _ in 0..count {
                 active.count += 1;
@@ -125,7 +125,7 @@ pub(super) fn send(
             }
             count
         }
-        Action::CommandStorm { rate_hz, senders } => {
+        FaultKind::CommandStorm { rate_hz, senders } => {
             let count = due(&mut active.next_ns, time, rate_hz);
             for _ in 0..count {
                 let number = active.count;

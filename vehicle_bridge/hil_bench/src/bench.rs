@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Deserialize;
 
-use super::fault::{Action, Fault};
+use super::fault::{Fault, FaultKind};
 use super::measure::{Expectation, Name};
 
 /// A bench file.
@@ -144,12 +144,12 @@ impl Scenario {
     /// Whether a fault takes the network away.
     #[must_use]
     pub fn is_alone(&self) -> bool {
-        self.faults.iter().any(|fault| matches!(fault.action, Action::NetworkDown {}))
+        self.faults.iter().any(|fault| matches!(fault.action, FaultKind::NetworkDown {}))
     }
 
     /// What is wrong with its file system.
     fn disk_problem(&self) -> Option<String> {
-        let fills = self.faults.iter().any(|f| matches!(f.action, Action::FillDisk {}));
+        let fills = self.faults.iter().any(|f| matches!(f.action, FaultKind::FillDisk {}));
         match self.disk_mb {
             None if fills => Some("fault fill_disk: the scenario has no disk_mb".to_owned()),
             Some(mb) if !(1..=1024).contains(&mb) => {
@@ -307,7 +307,7 @@ mod tests {
             known::<Scenario>(r#"{"no": 1}"#),
             known::<When>(r#"{"no": 1}"#),
             known::<Fault>(r#"{"no": 1}"#),
-            known::<Action>(r#"{"no": {}}"#),
+            known::<FaultKind>(r#"{"no": {}}"#),
             known::<Field>(r#""no""#),
             known::<Measure>(r#""no""#),
             known::<Expectation>(r#"{"no": 1}"#),

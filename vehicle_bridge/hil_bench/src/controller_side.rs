@@ -2,7 +2,7 @@
 
 use lcm_types::{Heartbeat, Message as _, MpcTelemetry, channels};
 
-use super::measure::{Measure, Values};
+use super::measure::{Measure, MeasuredValues};
 
 /// A share of grip below this is less grip. \[-\]
 const LESS_GRIP: f32 = 0.98;
@@ -11,12 +11,12 @@ const E_Y: usize = 5;
 
 /// Messages of the controller.
 #[derive(Debug, Default)]
-pub(super) struct Controller {
+pub(super) struct ControllerMessages {
     pub(super) beats: Vec<Heartbeat>,
     pub(super) steps: Vec<MpcTelemetry>,
 }
 
-impl Controller {
+impl ControllerMessages {
     /// Takes in a message, if it is the controller's.
     pub(super) fn add(&mut self, channel: &str, payload: &[u8]) {
         match channel {
@@ -27,7 +27,7 @@ impl Controller {
     }
 
     /// Everything that can be measured, with the faults beginning at `start_ns`.
-    pub(super) fn values(&self, start_ns: i64, values: &mut Values) {
+    pub(super) fn values(&self, start_ns: i64, values: &mut MeasuredValues) {
         let most = self.steps.iter().map(|step| step.overruns).max();
         values.insert(Measure::Overruns, f64::from(most.unwrap_or(0)));
         let dropped = self.beats.iter().map(log_dropped).max().unwrap_or(0);
@@ -51,9 +51,9 @@ impl Controller {
     }
 }
 
-impl Controller {
+impl ControllerMessages {
     /// What the controller did and found out after the faults began.
-    fn of_steps(&self, start_ns: i64, values: &mut Values) {
+    fn of_steps(&self, start_ns: i64, values: &mut MeasuredValues) {
         let after = || self.steps.iter().filter(|step| step.h.mono_ns >= start_ns);
         let ms = |from: i64, step: &MpcTelemetry| (step.h.mono_ns - from) as f64 * 1e-6;
         let raced = |step: &&MpcTelemetry| step.action == MpcTelemetry::LEARNED;
@@ -122,8 +122,8 @@ mod tests {
         ];
         let grips = [0.9, 1.0, 0.99, 0.8, 0.7];
         let steps = (0..).zip(actions).zip(grips).map(|((at, action), g)| step(at, action, g));
-        let controller = Controller { beats: Vec::new(), steps: steps.collect() };
-        let mut values = Values::default();
+        let controller = ControllerMessages { beats: Vec::new(), steps: steps.collect() };
+        let mut values = MeasuredValues::default();
         controller.values(100_000_000, &mut values);
         let expected = [
             (Measure::RacedShare, 0.5),
@@ -153,7 +153,7 @@ mod tests {
             detail: detail.to_owned(),
             ..Heartbeat::default()
         };
-        let controller = Controller {
+        let controller = ControllerMessages {
             beats: vec![
                 beat(1, 5, "7 laps learned; log: 12 messages dropped, full; cannot save x: full"),
                 beat(1, 12, "8 laps learned"),
@@ -161,7 +161,7 @@ mod tests {
             ],
             steps: vec![step(1, 9, 3), step(2, 20, 0)],
         };
-        let mut values = Values::default();
+        let mut values = MeasuredValues::default();
         controller.values(10, &mut values);
         let expected = [
             (Measure::Overruns, 3.0),

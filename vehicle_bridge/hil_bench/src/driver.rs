@@ -11,8 +11,8 @@ use lcm_types::{
 };
 use vehicle_model::{CarParams, Track};
 
-use super::fault::{Action, Fault};
-use super::operator::{Duty, Operator, Switch};
+use super::fault::{Fault, FaultKind};
+use super::operator::{BenchOperator, Duty, Switch};
 use super::proxy::Start;
 use hosting::realtime;
 use hosting::worker::Worker;
@@ -75,7 +75,7 @@ impl Driver {
         let names = [channels::STATE, channels::OPERATOR_ACK, "HB/bridge"];
         let names = names.map(str::to_owned).to_vec();
         network.subscribe(Filter::Only(names), inbox.sink())?;
-        let operator = Operator::new(network);
+        let operator = BenchOperator::new(network);
         let orders = operator.sent();
         let mut source = Source {
             inbox,
@@ -129,7 +129,7 @@ struct Source {
     inbox: Inbox,
     network: Arc<dyn Transport>,
     out: Outlets,
-    operator: Operator,
+    operator: BenchOperator,
     task: Task,
     start: Start,
     progress: Arc<Mutex<Progress>>,
@@ -191,7 +191,7 @@ impl Source {
         let since = now().mono.as_ns().saturating_sub(self.start.load(Ordering::Acquire));
         let faults = self.task.faults.iter().enumerate();
         let begun = faults.filter_map(|(index, fault)| match fault.action {
-            Action::Order { order, value } => {
+            FaultKind::Order { order, value } => {
                 let (from, until) = fault.window_ns();
                 let acts = self.stopping() && (from..until).contains(&since);
                 acts.then_some((from, index, order, value.unwrap_or_default()))
@@ -206,9 +206,9 @@ impl Source {
     }
 
     fn switch(&self) -> Switch {
-        if !self.task.deadman || self.acts(|a| matches!(a, Action::DeadmanSilent {})) {
+        if !self.task.deadman || self.acts(|a| matches!(a, FaultKind::DeadmanSilent {})) {
             Switch::Silent
-        } else if self.acts(|a| matches!(a, Action::DeadmanReleased {})) {
+        } else if self.acts(|a| matches!(a, FaultKind::DeadmanReleased {})) {
             Switch::Released
         } else {
             Switch::Held
@@ -220,11 +220,11 @@ impl Source {
     }
 
     fn rearms(&self) -> bool {
-        self.acts(|action| matches!(action, Action::Rearm {}))
+        self.acts(|action| matches!(action, FaultKind::Rearm {}))
     }
 
     /// Whether a fault of this kind acts now.
-    fn acts(&self, is: impl Fn(&Action) -> bool) -> bool {
+    fn acts(&self, is: impl Fn(&FaultKind) -> bool) -> bool {
         let start = self.start.load(Ordering::Acquire);
         let since = now().mono.as_ns().saturating_sub(start);
         start != i64::MAX
@@ -235,7 +235,7 @@ impl Source {
     }
 
     fn beat(&mut self) {
-        if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {
+        if !self.task.commands || self.acts(|a| matches!(a, FaultKind::SourceSilent {})) {
             return;
         }
         let message = Heartbeat {
@@ -270,10 +270,10 @@ impl Source {
                 progress.driving_ns = Some(now().mono.as_ns());
             }
         }
-        if !self.task.commands || self.acts(|a| matches!(a, Action::SourceSilent {})) {
+        if !self.task.commands || self.acts(|a| matches!(a, FaultKind::SourceSilent {})) {
             return;
         }
-        if !self.restarted && self.acts(|a| matches!(a, Action::SourceRestart {})) {
+        if !self.restarted && self.acts(|a| matches!(a, FaultKind::SourceRestart {})) {
             self.restarted = true;
             self.out = Outlets::new(&self.network);
         }

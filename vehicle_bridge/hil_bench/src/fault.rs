@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-pub use super::fault_names::{EndSignal, Field, Forged, Order, Token};
+pub use super::fault_names::{BenchOrder, EndSignal, Field, Forged, Token};
 
 /// A fault: what is done, where, from when, for how long.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -24,13 +24,13 @@ pub struct Fault {
     #[serde(default)]
     pub car: bool,
     /// What is done.
-    pub action: Action,
+    pub action: FaultKind,
 }
 
 /// What a fault does.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Action {
+pub enum FaultKind {
     /// Messages are lost; with `first`, only that many.
     Drop {
         /// Most messages lost; absent: all. \[-\]
@@ -243,13 +243,13 @@ pub enum Action {
     /// The operator gives an order.
     Order {
         /// Which.
-        order: Order,
+        order: BenchOrder,
         /// The speed of `speed_cap`; 0 takes it away. \[m/s\]
         value: Option<f64>,
     },
 }
 
-impl Action {
+impl FaultKind {
     /// Whether it changes messages that pass, and so may find none.
     pub(super) fn is_on_messages(&self) -> bool {
         matches!(
@@ -315,18 +315,18 @@ impl Fault {
                 self.share
             ));
         }
-        if let Action::Kill { process }
-        | Action::Interrupt { process, .. }
-        | Action::Stop { process }
-        | Action::Restart { process } = &self.action
+        if let FaultKind::Kill { process }
+        | FaultKind::Interrupt { process, .. }
+        | FaultKind::Stop { process }
+        | FaultKind::Restart { process } = &self.action
             && !processes.contains(process)
         {
             problems.push(format!("fault: process `{process}` is not started by this scenario"));
         }
-        if let Action::Storm { rate_hz, .. }
-        | Action::SecondController { rate_hz, .. }
-        | Action::Forge { rate_hz, .. }
-        | Action::CommandStorm { rate_hz, .. } = self.action
+        if let FaultKind::Storm { rate_hz, .. }
+        | FaultKind::SecondController { rate_hz, .. }
+        | FaultKind::Forge { rate_hz, .. }
+        | FaultKind::CommandStorm { rate_hz, .. } = self.action
             && !(rate_hz > 0.0 && rate_hz <= 100_000.0)
         {
             problems.push(format!("fault: rate_hz is {rate_hz}, expected above 0, at most 100000"));
@@ -337,7 +337,7 @@ impl Fault {
             let known = "faults of a field, freeze, grip, and delay without jitter";
             problems.push(format!("fault: car = true goes with {known}"));
         }
-        if !self.car && matches!(self.action, Action::Grip { .. }) {
+        if !self.car && matches!(self.action, FaultKind::Grip { .. }) {
             problems.push("fault: grip goes with car = true".to_owned());
         }
         if self.car && self.channel.is_some() {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Orders of the operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Order {
+pub enum BenchOrder {
     /// Emergency stop, repeated every 10 ms until it is acknowledged.
     Estop,
     /// Stop.

@@ -4,7 +4,7 @@
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 
-use super::fault::{Action, Field, Order};
+use super::fault::{BenchOrder, FaultKind, Field};
 use super::random::Random;
 
 /// What the fault of a field remembers.
@@ -19,7 +19,7 @@ pub(super) struct FieldMemory {
     kept: Option<f64>,
 }
 
-impl Action {
+impl FaultKind {
     /// The field it changes, for actions that change one.
     pub(super) fn field(&self) -> Option<Field> {
         match *self {
@@ -92,7 +92,7 @@ impl Action {
             {
                 Some(format!("ms is {ms}, jitter_ms {jitter_ms}, expected 0 to 60000"))
             }
-            Self::Order { order: Order::SpeedCap, value }
+            Self::Order { order: BenchOrder::SpeedCap, value }
                 if !value.is_some_and(|value| (0.0..=1000.0).contains(&value)) =>
             {
                 Some(format!("value of speed_cap is {value:?}, expected 0 to 1000 m/s"))
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    fn over(action: &Action, values: &[f64]) -> Vec<f64> {
+    fn over(action: &FaultKind, values: &[f64]) -> Vec<f64> {
         let (mut memory, mut random) = (FieldMemory::default(), random::of(1));
         let at = |k: usize| 1 + 10_000_000 * i64::try_from(k).unwrap();
         let each = values.iter().enumerate();
@@ -120,9 +120,9 @@ mod tests {
     fn each_fault_of_a_field_does_what_it_says() {
         let field = Field::Vx;
         let values = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(over(&Action::Scale { field, factor: 0.5 }, &values), [0.5, 1.0, 1.5, 2.0]);
-        assert_eq!(over(&Action::Stuck { field }, &values), [1.0; 4]);
-        let ramp = over(&Action::Ramp { field, per_s: 10.0 }, &[0.0; 4]);
+        assert_eq!(over(&FaultKind::Scale { field, factor: 0.5 }, &values), [0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(over(&FaultKind::Stuck { field }, &values), [1.0; 4]);
+        let ramp = over(&FaultKind::Ramp { field, per_s: 10.0 }, &[0.0; 4]);
         assert!(
             ramp.iter().zip([0.0, 0.1, 0.2, 0.3]).all(|(a, b)| (a - b).abs() < 1e-12),
             "{ramp:?}"
@@ -130,10 +130,10 @@ mod tests {
         // After one time constant 63 % of a step are there.
         let mut step = vec![0.0];
         step.extend([1.0; 101]);
-        let lag = over(&Action::Lag { field, seconds: 1.0 }, &step);
+        let lag = over(&FaultKind::Lag { field, seconds: 1.0 }, &step);
         assert!((lag[100] - (1.0 - (-1.0_f64).exp())).abs() < 1e-3, "{}", lag[100]);
         // A walk grows as the root of the time: sigma after a second.
-        let walks = over(&Action::RandomWalk { field, sigma: 2.0 }, &vec![0.0; 100_001]);
+        let walks = over(&FaultKind::RandomWalk { field, sigma: 2.0 }, &vec![0.0; 100_001]);
         let seconds = walks.chunks(100).map(|second| second[0]);
         let steps: Vec<f64> = seconds.clone().zip(seconds.skip(1)).map(|(a, b)| b - a).collect();
         let variance = steps.iter().map(|s| s * s).sum::<f64>() / steps.len() as f64;

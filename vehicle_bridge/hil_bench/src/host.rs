@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, anyhow, bail};
 use nix::sched::{CloneFlags, unshare};
 
 use super::bench::Scenario;
-use super::fault::Action;
+use super::fault::FaultKind;
 
 /// Multicast on the loopback interface, as commands of a shell.
 pub const NETWORK_UP: &str = "ip link set lo up && ip link set lo multicast on && \
@@ -45,13 +45,13 @@ impl Host {
     }
 
     /// Lets a fault of the computer act, or ends it; other faults are not its business.
-    pub(super) fn switch(&mut self, action: &Action, acts: bool) -> Result<()> {
+    pub(super) fn switch(&mut self, action: &FaultKind, acts: bool) -> Result<()> {
         match action {
-            Action::NetworkDown {} if acts != self.down => {
+            FaultKind::NetworkDown {} if acts != self.down => {
                 self.down = acts;
                 shell(if acts { NETWORK_DOWN } else { NETWORK_UP })
             }
-            Action::FillDisk {} if acts != self.full => {
+            FaultKind::FillDisk {} if acts != self.full => {
                 self.full = acts;
                 let disk = self.disk.as_ref().context("fill_disk needs disk_mb")?;
                 let ballast = disk.join("ballast");

@@ -39,7 +39,7 @@ use std::time::Duration;
 use anyhow::Result;
 
 pub use bench::Bench;
-pub use run::Outcome;
+pub use run::RunOutcome;
 pub use stall::Stood;
 pub use timeline::Timeline;
 pub use verdict::Verdict;
@@ -63,10 +63,10 @@ pub fn execute<'b>(
     bench: &'b Bench,
     lmpc: PathBuf,
     jobs: usize,
-    mut done: impl FnMut(&bench::Scenario, &Outcome) -> Result<()>,
+    mut done: impl FnMut(&bench::Scenario, &RunOutcome) -> Result<()>,
 ) -> Result<(Vec<Verdict<'b>>, Stood)> {
     let (car, track) = (load::car(&bench.car)?, load::track(&bench.track)?);
-    let place = run::Place { bench, car, track: Arc::clone(&track), lmpc };
+    let context = run::RunContext { bench, car, track: Arc::clone(&track), lmpc };
     let watch = Watch::start()?;
     let free = Mutex::new((0..jobs).filter_map(|i| u16::try_from(2 * i).ok()).collect::<Vec<_>>());
     let lock = || free.lock().unwrap_or_else(PoisonError::into_inner);
@@ -74,7 +74,7 @@ pub fn execute<'b>(
         bench.scenarios.iter().map(|scenario| Verdict { scenario, runs: Vec::new() }).collect();
     let one = |&(index, seed): &(usize, u64)| {
         let offset = lock().pop().unwrap_or_default();
-        let run = || run::run(&place, &bench.scenarios[index], seed, PORTS + offset);
+        let run = || run::run(&context, &bench.scenarios[index], seed, PORTS + offset);
         let outcome = watch.undisturbed(run);
         lock().push(offset);
         outcome

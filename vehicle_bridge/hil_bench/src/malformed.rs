@@ -3,7 +3,7 @@
 use super::wire::fragment as part_of;
 
 /// What is wrong, and the datagrams.
-pub type Case = (&'static str, Vec<Vec<u8>>);
+pub type MalformedMessage = (&'static str, Vec<Vec<u8>>);
 
 /// A datagram of a short message: number, and what follows it.
 #[must_use]
@@ -26,7 +26,7 @@ pub fn fragment(
 
 /// All cases, those with a channel on `channel`. None of them holds a whole message.
 #[must_use]
-pub fn cases(channel: &str) -> Vec<Case> {
+pub fn cases(channel: &str) -> Vec<MalformedMessage> {
     let part = |text: &str| text.as_bytes().to_vec();
     let head = |rest: &str| [channel, rest].concat().into_bytes();
     let other = |magic: &[u8]| [magic, b"\0\0\0\x01", &head("\0payload")].concat();

@@ -109,12 +109,12 @@ pub struct Expectation {
 
 /// Values of one run.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Values {
+pub struct MeasuredValues {
     values: BTreeMap<Name, f64>,
     origins: BTreeMap<Name, f64>,
 }
 
-impl Values {
+impl MeasuredValues {
     /// Sets a value.
     pub fn insert(&mut self, name: impl Into<Name>, value: f64) {
         self.values.insert(name.into(), value);
@@ -246,7 +246,7 @@ impl Expectation {
 
     /// Why values do not meet it; a value that is missing does not.
     #[must_use]
-    pub fn broken(&self, values: &Values) -> Option<String> {
+    pub fn broken(&self, values: &MeasuredValues) -> Option<String> {
         let name = self.measure.text();
         let Some(value) = values.get(&self.measure) else {
             return Some(format!("{name}: never happened, limit {}", self.limit()));
@@ -265,9 +265,9 @@ mod tests {
         let measure = Name::from("loss_to_stop_ms");
         assert_eq!(measure, Measure::LossToStopMs.into());
         let limit = Expectation { measure, most: Some(110.0), least: None };
-        assert!(limit.broken(&Values::default()).is_some());
+        assert!(limit.broken(&MeasuredValues::default()).is_some());
         let with = |value| {
-            let mut values = Values::default();
+            let mut values = MeasuredValues::default();
             values.insert(Measure::LossToStopMs, value);
             limit.broken(&values)
         };

@@ -7,15 +7,15 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use hosting::rule::Edges;
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::EventReader;
 use lcm_types::{
     ActuationReport, Checked as _, Frenet, Heartbeat, Message as _, OperatorAck, VehicleState,
     channels,
 };
 use vehicle_model::{Limiter, State, Track};
 
-use super::controller_side::{Controller, log_dropped};
-use super::measure::{Measure, Values};
+use super::controller_side::{ControllerMessages, log_dropped};
+use super::measure::{Measure, MeasuredValues};
 use super::on_car::TRUTH;
 use super::output::{STOP, drives, unsafe_reports};
 use super::passed::Passed;
@@ -37,7 +37,7 @@ pub(super) struct Heard {
     /// Of the bridge.
     pub(super) beats: Vec<Heartbeat>,
     pub(super) acks: Vec<OperatorAck>,
-    pub(super) controller: Controller,
+    pub(super) controller: ControllerMessages,
 }
 
 /// What a run is measured by.
@@ -63,7 +63,7 @@ impl Heard {
     pub(super) fn of_log(log: &Path, until_ns: i64) -> Result<Self> {
         let file = File::open(log).with_context(|| format!("cannot read {}", log.display()))?;
         let mut heard = Self::default();
-        for event in Reader::new(BufReader::new(file)) {
+        for event in EventReader::new(BufReader::new(file)) {
             let event = event?;
             heard.add(&event.channel, &event.data);
         }
@@ -90,8 +90,8 @@ impl Heard {
     }
 
     /// Everything that can be measured, with the faults beginning at `start_ns`.
-    pub(super) fn values(&self, start_ns: i64, passed: &Passed, rule: &Rule<'_>) -> Values {
-        let mut values = Values::default();
+    pub(super) fn values(&self, start_ns: i64, passed: &Passed, rule: &Rule<'_>) -> MeasuredValues {
+        let mut values = MeasuredValues::default();
         let after: Vec<_> = self.reports.iter().filter(|r| r.h.mono_ns >= start_ns).collect();
         let ms = |from: i64, to: i64| (to - from) as f64 * 1e-6;
         let first = |source: &dyn Fn(&ActuationReport) -> bool, from: i64| {
@@ -157,7 +157,7 @@ impl Heard {
         values
     }
 
-    fn of_states(&self, start_ns: i64, rule: &Rule<'_>, values: &mut Values) {
+    fn of_states(&self, start_ns: i64, rule: &Rule<'_>, values: &mut MeasuredValues) {
         let states = self.judged();
         let track = rule.track;
         let beyond = |state: &VehicleState| {
@@ -186,7 +186,7 @@ impl Heard {
         }
     }
 
-    fn of_beats(&self, start_ns: i64, values: &mut Values) {
+    fn of_beats(&self, start_ns: i64, values: &mut MeasuredValues) {
         let named = self.beats.iter().filter(|beat| beat.detail.contains("wrong fingerprint"));
         values.insert(Measure::FingerprintsNamed, named.count() as f64);
         let before = self.beats.iter().rev().find(|beat| beat.h.mono_ns <= start_ns);

@@ -16,7 +16,7 @@ use lcm_types::{LapIndex, VehicleState};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Disturbance, GripChange, Input, State, Track};
 
-use super::fault::{Action, Fault, Field};
+use super::fault::{Fault, FaultKind, Field};
 use super::field::FieldMemory;
 use super::random::{self, Random};
 use protocol::convert::{self, nanoseconds};
@@ -29,7 +29,7 @@ pub(super) const TRUTH: &str = "BENCH/TRUTH";
 
 /// What the bench says when the faults begin.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Order {
+struct FaultSchedule {
     /// On this host's monotonic clock. \[ns\]
     start_ns: i64,
     seed: u64,
@@ -45,7 +45,7 @@ pub(super) fn begin(path: &Path, faults: &[Fault], start_ns: i64, seed: u64) -> 
     if faults.is_empty() {
         return Ok(());
     }
-    let text = serde_json::to_string(&Order { start_ns, seed, faults })?;
+    let text = serde_json::to_string(&FaultSchedule { start_ns, seed, faults })?;
     // In one piece: the car may look at any time.
     let part = path.with_extension("part");
     let written = fs::write(&part, text).and_then(|()| fs::rename(&part, path));
@@ -112,9 +112,9 @@ impl FaultyCar {
     fn look(&mut self) {
         let read = fs::read_to_string(&self.file).and_then(|text| {
             fs::remove_file(&self.file)?;
-            serde_json::from_str::<Order>(&text).map_err(io::Error::other)
+            serde_json::from_str::<FaultSchedule>(&text).map_err(io::Error::other)
         });
-        let Ok(Order { start_ns, seed, faults }) = read else { return };
+        let Ok(FaultSchedule { start_ns, seed, faults }) = read else { return };
         self.start_ns = start_ns;
         let active = |(i, fault): (u64, Fault)| Active {
             fault,
@@ -198,7 +198,7 @@ impl Vehicle for FaultyCar {
         let (now_ns, track) = (now().mono.as_ns(), Arc::clone(self.vehicle.track()));
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
             let Active { fault, memory, random, frozen, .. } = active;
-            if fault.action == (Action::Freeze {}) {
+            if fault.action == (FaultKind::Freeze {}) {
                 x = *frozen.get_or_insert(x);
             }
             if let Some(field) = fault.action.field() {
@@ -220,8 +220,8 @@ impl Vehicle for FaultyCar {
         for active in Self::acting(&mut self.active, self.start_ns, now_ns) {
             let Active { fault, memory, random, late, .. } = active;
             match fault.action {
-                Action::Delay { ms, .. } => u = late.input(now_ns, u, nanoseconds(1e-3 * ms)),
-                Action::Grip { front, rear } => grip = [grip[0] * front, grip[1] * rear],
+                FaultKind::Delay { ms, .. } => u = late.input(now_ns, u, nanoseconds(1e-3 * ms)),
+                FaultKind::Grip { front, rear } => grip = [grip[0] * front, grip[1] * rear],
                 _ => {}
             }
             let place = match fault.action.field() {

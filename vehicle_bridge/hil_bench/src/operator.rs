@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use lcm_types::{Heartbeat, OperatorAck, OperatorCommand, channels};
 
-use super::fault::Order;
+use super::fault::BenchOrder;
 use protocol::publisher::{Identity, Publisher};
 use transport::Transport;
 
@@ -20,7 +20,7 @@ pub(super) enum Duty {
     /// Arms and starts, if the car does not drive yet.
     Drive,
     /// The order of the fault with this place in the scenario and its value, until it is answered.
-    Give(usize, Order, f64),
+    Give(usize, BenchOrder, f64),
     /// Nothing more than the switch.
     Watch,
 }
@@ -37,7 +37,7 @@ pub(super) enum Switch {
 }
 
 /// The operator.
-pub(super) struct Operator {
+pub(super) struct BenchOperator {
     publisher: Publisher,
     /// The grant in force, as last heard. \[-\]
     pub(super) token: i64,
@@ -52,7 +52,7 @@ pub(super) struct Operator {
     sent: Arc<Mutex<BTreeSet<usize>>>,
 }
 
-impl Operator {
+impl BenchOperator {
     pub(super) fn new(network: &Arc<dyn Transport>) -> Self {
         Self {
             publisher: Publisher::new(network, &Identity::new("operator"), channels::OPERATOR),
@@ -100,7 +100,7 @@ impl Operator {
         }
     }
 
-    fn give(&mut self, fault: usize, order: Order, value: f64) {
+    fn give(&mut self, fault: usize, order: BenchOrder, value: f64) {
         let number = match self.given {
             Some((given, number)) if given == fault => number,
             _ => {
@@ -111,19 +111,19 @@ impl Operator {
             }
         };
         // A START that is refused is given again: it must stay refused.
-        if self.answered >= number && order != Order::Start {
+        if self.answered >= number && order != BenchOrder::Start {
             return;
         }
         let (command, times) = match order {
-            Order::Estop => (OperatorCommand::ESTOP, ESTOP_TIMES),
-            Order::Stop => (OperatorCommand::STOP, 1),
-            Order::Start => (OperatorCommand::START, 1),
-            Order::SpeedCap => (OperatorCommand::SET_SPEED_CAP, 1),
+            BenchOrder::Estop => (OperatorCommand::ESTOP, ESTOP_TIMES),
+            BenchOrder::Stop => (OperatorCommand::STOP, 1),
+            BenchOrder::Start => (OperatorCommand::START, 1),
+            BenchOrder::SpeedCap => (OperatorCommand::SET_SPEED_CAP, 1),
         };
         for _ in 0..times {
             self.say(number, command, value, false);
         }
-        if order == Order::Start {
+        if order == BenchOrder::Start {
             self.given = None;
         }
     }

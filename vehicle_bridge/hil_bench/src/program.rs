@@ -6,17 +6,22 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, bail};
 
 use super::bench::Scenario;
-use super::measure::{Name, Values};
+use super::measure::{MeasuredValues, Name};
 use super::process::ended;
-use super::run::{Folder, Place, Words};
+use super::run::{Folder, RunContext, Words};
 
 const LOOK: Duration = Duration::from_millis(5);
 const EXIT_CODE: &str = "exit_code";
 
 /// Runs a scenario's program once, with the networks of this pair of ports to itself.
-pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> Result<Values> {
+pub(super) fn run(
+    context: &RunContext<'_>,
+    scenario: &Scenario,
+    seed: u64,
+    ports: u16,
+) -> Result<MeasuredValues> {
     let folder = Folder::new(ports)?;
-    let command = Words::of(place, seed, ports, &folder).fill(&scenario.program);
+    let command = Words::of(context, seed, ports, &folder).fill(&scenario.program);
     let [program, arguments @ ..] = &command[..] else { bail!("program: an empty command") };
     let log = folder.0.join("program.txt");
     let out =
@@ -49,7 +54,7 @@ fn text(log: &std::path::Path) -> String {
     std::fs::read(log).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default()
 }
 
-fn judge(scenario: &Scenario, code: i32, took: Duration, text: &str) -> Result<Values> {
+fn judge(scenario: &Scenario, code: i32, took: Duration, text: &str) -> Result<MeasuredValues> {
     let last = text.lines().last().unwrap_or_default();
     if code != 0 && !scenario.expectations.iter().any(|e| e.measure == EXIT_CODE.into()) {
         bail!("exit_code: {code}, limit = 0: {last}");
@@ -59,7 +64,7 @@ fn judge(scenario: &Scenario, code: i32, took: Duration, text: &str) -> Result<V
             bail!("its output does not contain `{wanted}`; it ends with: {last}");
         }
     }
-    let mut values = Values::default();
+    let mut values = MeasuredValues::default();
     for line in text.lines() {
         if let Some((name, value)) = line.split_once(' ')
             && let Ok(value) = value.trim().parse()

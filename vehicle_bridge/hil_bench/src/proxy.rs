@@ -11,7 +11,7 @@ use rand::RngExt as _;
 
 use super::alter::{self, Memory};
 use super::attack::{self, Sniffed};
-use super::fault::{Action, Fault};
+use super::fault::{Fault, FaultKind};
 use super::malformed;
 use super::passed::Passed;
 use super::random::{self, Random};
@@ -115,7 +115,7 @@ struct Forwarder {
     waiting: Vec<(i64, usize, Vec<u8>)>,
     sequence: u32,
     sniffed: Sniffed,
-    malformed: Vec<malformed::Case>,
+    malformed: Vec<malformed::MalformedMessage>,
 }
 
 impl Forwarder {
@@ -202,7 +202,7 @@ impl Forwarder {
             let (from, until) = active.fault.window_ns();
             let since = if start == i64::MAX { -1 } else { time - start };
             let Some((_, message)) = parts(&bytes) else { continue };
-            if let Action::Replay { .. } = active.fault.action
+            if let FaultKind::Replay { .. } = active.fault.action
                 && of_channel
             {
                 active.past.push(bytes.clone());
@@ -223,36 +223,36 @@ impl Forwarder {
             }
             self.acted(active.index);
             match &active.fault.action {
-                Action::Drop { first } => {
+                FaultKind::Drop { first } => {
                     active.count += 1;
                     lost |= first.is_none_or(|most| active.count <= most);
                 }
-                Action::Every { n } => {
+                FaultKind::Every { n } => {
                     active.count += 1;
                     lost |= active.count % n != 0;
                 }
                 #[expect(clippy::cast_possible_truncation, reason = "delays of a run")]
-                Action::Delay { ms, jitter_ms } => {
+                FaultKind::Delay { ms, jitter_ms } => {
                     delay_ns += ((ms + active.random.random::<f64>() * jitter_ms) * 1e6) as i64;
                 }
-                Action::Duplicate { copies } => {
+                FaultKind::Duplicate { copies } => {
                     extra.extend((0..*copies).map(|_| bytes.clone()));
                 }
-                Action::Swap {} => match active.held.take() {
+                FaultKind::Swap {} => match active.held.take() {
                     Some(first) => extra.push(first),
                     None => {
                         active.held = Some(bytes.clone());
                         lost = true;
                     }
                 },
-                Action::Replay { count } => {
+                FaultKind::Replay { count } => {
                     let old = active.past.len().saturating_sub(1 + *count as usize);
                     extra.extend(active.past[old..active.past.len() - 1].iter().cloned());
                 }
-                Action::Junk { count } => {
+                FaultKind::Junk { count } => {
                     extra.extend((0..*count).map(|_| attack::junk(&bytes, &mut active.random)));
                 }
-                Action::Malformed {} if !self.malformed.is_empty() => {
+                FaultKind::Malformed {} if !self.malformed.is_empty() => {
                     let case = active.count as usize % self.malformed.len();
                     active.count += 1;
                     extra.extend(self.malformed[case].1.iter().cloned());
@@ -266,7 +266,8 @@ impl Forwarder {
                         &mut active.memory,
                         &mut active.random,
                     ) {
-                        genuine &= matches!(action, Action::WallClock { .. } | Action::Ttl { .. });
+                        genuine &=
+                            matches!(action, FaultKind::WallClock { .. } | FaultKind::Ttl { .. });
                         self.sequence += 1;
                         bytes = datagram(self.sequence, &channel, &message);
                     }
@@ -305,7 +306,7 @@ impl Forwarder {
                     let mut passed = self.passed.lock().unwrap_or_else(PoisonError::into_inner);
                     passed.storm(sent, time);
                 }
-                if let Action::Fragments { count, bytes } = active.fault.action
+                if let FaultKind::Fragments { count, bytes } = active.fault.action
                     && !active.done
                 {
                     active.done = true;

@@ -13,9 +13,9 @@ use vehicle_model::{CarParams, Limiter, Track};
 
 use super::bench::{Bench, Scenario, Source};
 use super::driver::{Driver, Progress, Task};
-use super::fault::Action;
+use super::fault::FaultKind;
 use super::host::{self, Host};
-use super::measure::{Expectation, Measure, Name, Values};
+use super::measure::{Expectation, Measure, MeasuredValues, Name};
 use super::observe::{Heard, Rule};
 use super::on_car;
 use super::process::Program;
@@ -51,7 +51,7 @@ const CAR_FAULTS: &str = "car-faults.json";
 const NEAR: f64 = 1.0;
 
 /// What a run needs in addition to its scenario.
-pub(super) struct Place<'a> {
+pub(super) struct RunContext<'a> {
     pub(super) bench: &'a Bench,
     pub(super) car: CarParams,
     pub(super) track: Arc<Track>,
@@ -61,11 +61,11 @@ pub(super) struct Place<'a> {
 
 /// What a run gave.
 #[derive(Debug, Clone, Default)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// Its seed.
     pub seed: u64,
     /// What was measured.
-    pub values: Values,
+    pub values: MeasuredValues,
     /// Limits that were broken; empty if it passed.
     pub broken: Vec<String>,
     /// The run over time.
@@ -79,15 +79,20 @@ pub struct Outcome {
 }
 
 /// Runs a scenario once on the networks of this pair of ports.
-pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16) -> Outcome {
+pub(super) fn run(
+    context: &RunContext<'_>,
+    scenario: &Scenario,
+    seed: u64,
+    ports: u16,
+) -> RunOutcome {
     let begun = Instant::now();
-    let mut outcome = Outcome { seed, ..Outcome::default() };
+    let mut outcome = RunOutcome { seed, ..RunOutcome::default() };
     let result = if !scenario.program.is_empty() {
-        program::run(place, scenario, seed, ports).map(|values| (values, Timeline::default()))
+        program::run(context, scenario, seed, ports).map(|values| (values, Timeline::default()))
     } else if scenario.is_alone() {
-        host::alone(|| drive(place, scenario, seed, ports))
+        host::alone(|| drive(context, scenario, seed, ports))
     } else {
-        drive(place, scenario, seed, ports)
+        drive(context, scenario, seed, ports)
     };
     match result {
         Ok((values, timeline)) => {
@@ -121,14 +126,14 @@ pub(super) fn run(place: &Place<'_>, scenario: &Scenario, seed: u64, ports: u16)
 }
 
 fn drive(
-    place: &Place<'_>,
+    context: &RunContext<'_>,
     scenario: &Scenario,
     seed: u64,
     ports: u16,
-) -> Result<(Values, Timeline)> {
+) -> Result<(MeasuredValues, Timeline)> {
     let folder = Folder::new(ports)?;
     let mut host = Host::new(scenario, &folder.0)?;
-    let words = Words::of(place, seed, ports, &folder);
+    let words = Words::of(context, seed, ports, &folder);
     let (control_url, car_url) = (&words.control_url, &words.car_url);
     let options = |url: &str| Url::parse(url)?.udpm_options();
     let heard = Inbox::queue(HEARD);
@@ -140,7 +145,7 @@ fn drive(
         Proxy::start((&options(control_url)?, &options(car_url)?), &scenario.faults, &start, seed)?;
     let mut programs = Vec::new();
     for name in &scenario.processes {
-        let process = place.bench.process(name).with_context(|| format!("process `{name}`"))?;
+        let process = context.bench.process(name).with_context(|| format!("process `{name}`"))?;
         let command = words.fill(&process.command);
         let ready = Inbox::latest();
         if let Some(channel) = &process.ready {
@@ -162,11 +167,11 @@ fn drive(
         None => control,
     };
     let task = Task {
-        car: place.car.clone(),
-        track: Arc::clone(&place.track),
+        car: context.car.clone(),
+        track: Arc::clone(&context.track),
         speed: scenario.speed_mps,
         commands: scenario.source == Source::Light,
-        arming: place.bench.arming,
+        arming: context.bench.arming,
         deadman: scenario.deadman,
         faults: scenario.faults.clone(),
     };
@@ -191,18 +196,18 @@ fn drive(
             let channel = fault.channel.as_deref().unwrap_or("any channel");
             bail!("fault {} acted on no message of {channel}", index + 1);
         }
-        if matches!(fault.action, Action::Order { .. }) && !orders.contains(&index) {
+        if matches!(fault.action, FaultKind::Order { .. }) && !orders.contains(&index) {
             bail!("the order of fault {} was never given: another one took its time", index + 1);
         }
     }
-    let log = scenario.processes.iter().find_map(|n| place.bench.process(n)?.log.clone());
+    let log = scenario.processes.iter().find_map(|n| context.bench.process(n)?.log.clone());
     let heard = match log {
         Some(path) => Heard::of_log(Path::new(&words.fill(&[path])[0]), ended)?,
         None => Heard::of(&heard, ended),
     };
-    let limiter = Limiter::new(&place.car);
-    let edges = Edges::new(&place.car, TrackLimit::Body);
-    let rule = Rule { limiter, edges, track: &place.track, latching: place.bench.arming };
+    let limiter = Limiter::new(&context.car);
+    let edges = Edges::new(&context.car, TrackLimit::Body);
+    let rule = Rule { limiter, edges, track: &context.track, latching: context.bench.arming };
     let mut values = heard.values(begins, &passed, &rule);
     values.insert(Measure::Crashes, crashes as f64);
     values.insert(Measure::MemoryMb, growth);
@@ -265,10 +270,10 @@ fn inject(
         for (fault, begun) in scenario.faults.iter().zip(&mut begun) {
             let (from, until) = fault.window_ns();
             host.switch(&fault.action, (from..until).contains(&since))?;
-            let (Action::Kill { process }
-            | Action::Interrupt { process, .. }
-            | Action::Stop { process }
-            | Action::Restart { process }) = &fault.action
+            let (FaultKind::Kill { process }
+            | FaultKind::Interrupt { process, .. }
+            | FaultKind::Stop { process }
+            | FaultKind::Restart { process }) = &fault.action
             else {
                 continue;
             };
@@ -276,9 +281,9 @@ fn inject(
             if since >= from && begun.is_none() {
                 *begun = Some(since);
                 match &fault.action {
-                    Action::Kill { .. } => program.kill(),
-                    Action::Interrupt { signal, .. } => program.interrupt(*signal),
-                    Action::Restart { .. } => program.restart()?,
+                    FaultKind::Kill { .. } => program.kill(),
+                    FaultKind::Interrupt { signal, .. } => program.interrupt(*signal),
+                    FaultKind::Restart { .. } => program.restart()?,
                     _ => program.stop(),
                 }
             }
@@ -302,14 +307,14 @@ pub(super) struct Words {
 }
 
 impl Words {
-    pub(super) fn of(place: &Place<'_>, seed: u64, ports: u16, folder: &Folder) -> Self {
+    pub(super) fn of(context: &RunContext<'_>, seed: u64, ports: u16, folder: &Folder) -> Self {
         let url = |port: u16| format!("udpm://239.255.76.67:{port}?ttl=0");
         let others = vec![
-            ("{lmpc}", place.lmpc.display().to_string()),
+            ("{lmpc}", context.lmpc.display().to_string()),
             ("{dir}", folder.0.display().to_string()),
             ("{seed}", seed.to_string()),
-            ("{car}", place.bench.car.clone()),
-            ("{track}", place.bench.track.clone()),
+            ("{car}", context.bench.car.clone()),
+            ("{track}", context.bench.track.clone()),
         ];
         Self { control_url: url(ports), car_url: url(ports + 1), others }
     }

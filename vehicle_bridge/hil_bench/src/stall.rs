@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use nix::sched::{CpuSet, sched_setaffinity};
 use nix::unistd::Pid;
 
-use super::run::Outcome;
+use super::run::RunOutcome;
 use hosting::realtime;
 use hosting::worker::Worker;
 use transport::now;
@@ -69,7 +69,7 @@ impl Watch {
 
     /// Runs, and again if the computer itself stood still in a run that broke a limit it may be
     /// blamed for. What the runs broke that do not count stays in the outcome of the one that does.
-    pub(super) fn undisturbed(&self, run: impl Fn() -> Outcome) -> Outcome {
+    pub(super) fn undisturbed(&self, run: impl Fn() -> RunOutcome) -> RunOutcome {
         let mut disturbed = Vec::new();
         loop {
             let begun_ns = now().mono.as_ns();
@@ -107,10 +107,10 @@ mod tests {
 
     #[test]
     fn only_a_run_that_the_computer_spoilt_is_repeated_and_counted() {
-        let outcome = |excusable| Outcome {
+        let outcome = |excusable| RunOutcome {
             broken: vec!["late".to_owned()],
             excusable,
-            ..Outcome::default()
+            ..RunOutcome::default()
         };
         let runs = |watch: &Watch, excusable| {
             let count = Cell::new(0);

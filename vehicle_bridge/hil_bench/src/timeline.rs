@@ -25,7 +25,7 @@ pub struct Applied {
 
 /// The car at an instant; its true state where it sends that.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Driven {
+pub struct CarSample {
     /// Since the faults began. \[s\]
     pub time_s: f64,
     /// Longitudinal velocity. \[m/s\]
@@ -47,7 +47,7 @@ pub struct Since {
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Timeline {
     /// The car.
-    pub car: Vec<Driven>,
+    pub car: Vec<CarSample>,
     /// What was applied.
     pub applied: Vec<Applied>,
     /// Where it came from: `held`, `command`, `plan`, `stop`.
@@ -77,7 +77,7 @@ impl Heard {
             let lcm_types::Frenet { s, e_y, e_psi, .. } = state.frenet;
             let x = State { s, e_y, e_psi, ..State::default() };
             let beyond_m = rule.edges.beyond(rule.track, &x);
-            Driven { time_s: time_s(state.h.mono_ns), v_x_mps: state.vx, beyond_m }
+            CarSample { time_s: time_s(state.h.mono_ns), v_x_mps: state.vx, beyond_m }
         });
         let reports = || self.reports.iter().filter(|report| shown(report.h.mono_ns));
         let applied = reports().map(|r| Applied {

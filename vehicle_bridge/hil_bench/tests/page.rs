@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use hil_bench::measure::Measure;
-use hil_bench::timeline::{Applied, Driven, Since};
+use hil_bench::timeline::{Applied, CarSample, Since};
 use hil_bench::verdict::{self, Tested};
-use hil_bench::{Bench, Outcome, Timeline, Verdict};
+use hil_bench::{Bench, RunOutcome, Timeline, Verdict};
 
 const BENCH: &str = r#"
 title = "Faults between controller and car, with a title that goes on for longer than a line of A4 does"
@@ -36,8 +36,8 @@ expect = [
 "#;
 
 /// A run of the second scenario, with its reaction after so many milliseconds.
-fn run(seed: u64, reaction_ms: f64) -> Outcome {
-    let mut run = Outcome::default();
+fn run(seed: u64, reaction_ms: f64) -> RunOutcome {
+    let mut run = RunOutcome::default();
     (run.seed, run.duration) = (seed, 3.5);
     run.values.insert(Measure::LossToStopMs, reaction_ms);
     run.values.reacted(Measure::LossToStopMs, 0.02);
@@ -52,7 +52,7 @@ fn run(seed: u64, reaction_ms: f64) -> Outcome {
     let at = |tick: i32| -1.0 + 0.01 * f64::from(tick);
     let driven = |tick| {
         let braking = (at(tick) - stop).max(0.0);
-        Driven { time_s: at(tick), v_x_mps: (2.0 - 3.0 * braking).max(0.0), beyond_m: -0.2 }
+        CarSample { time_s: at(tick), v_x_mps: (2.0 - 3.0 * braking).max(0.0), beyond_m: -0.2 }
     };
     let applied = |tick| Applied {
         time_s: at(tick),

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use controller::config::SECTIONS;
-use controller::config::keys::{Derivation, Key, Value as Current};
+use controller::config::keys::{ConfigKey, ConfigValue, Derivation};
 use controller::{Config, Preset};
 use toml::{Table, Value};
 use vehicle_model::{CarParams, Track};
@@ -19,7 +19,7 @@ pub struct Usage(pub String);
 
 /// Where the value of a key comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
+pub enum SettingOrigin {
     /// From the preset.
     Preset(Preset),
     /// From the car, by this rule.
@@ -32,7 +32,7 @@ pub enum Origin {
     CommandLine,
 }
 
-impl fmt::Display for Origin {
+impl fmt::Display for SettingOrigin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Preset(preset) => write!(f, "preset {}", preset.word()),
@@ -48,11 +48,11 @@ impl fmt::Display for Origin {
 #[derive(Debug, Clone)]
 pub struct Setting<'a> {
     /// The key.
-    pub key: &'static Key,
+    pub key: &'static ConfigKey,
     /// Its value.
-    pub value: Current<'a>,
+    pub value: ConfigValue<'a>,
     /// Where the value comes from.
-    pub origin: Origin,
+    pub origin: SettingOrigin,
 }
 
 /// Layers of a configuration, the later over the earlier.
@@ -60,7 +60,7 @@ pub struct Setting<'a> {
 pub struct Layers {
     table: Table,
     /// Each layer's own keys, the latest last.
-    given: Vec<(Origin, Table)>,
+    given: Vec<(SettingOrigin, Table)>,
 }
 
 impl Layers {
@@ -72,21 +72,21 @@ impl Layers {
         let text =
             fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         let name = path.display().to_string();
-        self.text(&text, Origin::File(name.clone())).context(name)
+        self.text(&text, SettingOrigin::File(name.clone())).context(name)
     }
 
     /// Lays TOML over what there is.
     ///
     /// # Errors
     /// If it has a key or value that is not allowed.
-    pub fn text(&mut self, text: &str, origin: Origin) -> Result<()> {
+    pub fn text(&mut self, text: &str, origin: SettingOrigin) -> Result<()> {
         Config::from_toml(text)?;
         let table: Table = toml::from_str(text)?;
         self.lay(table, origin);
         Ok(())
     }
 
-    fn lay(&mut self, table: Table, origin: Origin) {
+    fn lay(&mut self, table: Table, origin: SettingOrigin) {
         overlay(&mut self.table, table.clone());
         self.given.push((origin, table));
     }
@@ -104,7 +104,7 @@ impl Layers {
         let text = format!("{key} = {value}");
         let quoted = format!("{key} = {value:?}");
         let text = if toml::from_str::<Table>(&text).is_ok() { text } else { quoted };
-        self.text(&text, Origin::CommandLine).map_err(|e| usage(e.to_string()).into())
+        self.text(&text, SettingOrigin::CommandLine).map_err(|e| usage(e.to_string()).into())
     }
 
     /// Sets one key of a section.
@@ -113,7 +113,7 @@ impl Layers {
         inner.insert(key.to_owned(), value.into());
         let mut outer = Table::new();
         outer.insert(section.to_owned(), Value::Table(inner));
-        self.lay(outer, Origin::CommandLine);
+        self.lay(outer, SettingOrigin::CommandLine);
     }
 
     /// Names the preset below all layers.
@@ -146,16 +146,16 @@ impl Layers {
             .collect()
     }
 
-    fn origin(&self, key: &Key, config: &Config) -> Origin {
+    fn origin(&self, key: &ConfigKey, config: &Config) -> SettingOrigin {
         let has = |table: &Table| {
             table.get(key.section).and_then(|section| section.get(key.name)).is_some()
         };
         let given = self.given.iter().rev().find(|(_, table)| has(table));
         match (given, config.preset, key.derivation) {
             (Some((origin, _)), ..) => origin.clone(),
-            (None, Preset::Race, Derivation::Car(rule)) => Origin::Car(rule),
-            (None, Preset::Race, Derivation::CarAndTrack(rule)) => Origin::CarAndTrack(rule),
-            (None, preset, _) => Origin::Preset(preset),
+            (None, Preset::Race, Derivation::Car(rule)) => SettingOrigin::Car(rule),
+            (None, Preset::Race, Derivation::CarAndTrack(rule)) => SettingOrigin::CarAndTrack(rule),
+            (None, preset, _) => SettingOrigin::Preset(preset),
         }
     }
 }
@@ -179,7 +179,7 @@ mod tests {
     fn later_layers_win_key_by_key() {
         let mut layers = Layers::default();
         layers.preset("paper");
-        let file = Origin::File("race.toml".to_owned());
+        let file = SettingOrigin::File("race.toml".to_owned());
         layers.text("[horizon]\nsteps = 11\nsubsteps = 7", file.clone()).unwrap();
         layers.set("horizon.steps=9").unwrap();
         layers.set("regression.mode=full").unwrap();
@@ -190,16 +190,19 @@ mod tests {
         assert_eq!(config.safe_set, below.safe_set, "the preset below");
         assert_ne!(config.safe_set, Config::default().safe_set, "which is not the default");
 
-        let origins = |layers: &Layers, name: &str| -> (String, Origin) {
+        let origins = |layers: &Layers, name: &str| -> (String, SettingOrigin) {
             let all = layers.explain(&config);
             let one = all.into_iter().find(|setting| setting.key.dotted() == name).unwrap();
             (one.value.to_string(), one.origin)
         };
         let of = |name| origins(&layers, name);
-        assert_eq!(of("horizon.steps"), ("9".to_owned(), Origin::CommandLine));
+        assert_eq!(of("horizon.steps"), ("9".to_owned(), SettingOrigin::CommandLine));
         assert_eq!(of("horizon.substeps"), ("7".to_owned(), file));
-        assert_eq!(of("regression.mode"), ("\"full\"".to_owned(), Origin::CommandLine));
-        assert_eq!(of("horizon.period_s"), ("0.1".to_owned(), Origin::Preset(Preset::Paper)));
+        assert_eq!(of("regression.mode"), ("\"full\"".to_owned(), SettingOrigin::CommandLine));
+        assert_eq!(
+            of("horizon.period_s"),
+            ("0.1".to_owned(), SettingOrigin::Preset(Preset::Paper))
+        );
     }
 
     #[test]
@@ -211,10 +214,14 @@ mod tests {
         for setting in layers.explain(&config) {
             let preset = setting.key.value(&Config::default()).to_string();
             match (setting.key.dotted().as_str(), setting.origin) {
-                ("limits.rear_slip_rad", origin) => assert_eq!(origin, Origin::CommandLine),
-                ("limits.front_slip_rad", origin) => assert!(matches!(origin, Origin::Car(_))),
-                ("warm_up.speed_mps", origin) => assert!(matches!(origin, Origin::CarAndTrack(_))),
-                (name, Origin::Preset(_)) => {
+                ("limits.rear_slip_rad", origin) => assert_eq!(origin, SettingOrigin::CommandLine),
+                ("limits.front_slip_rad", origin) => {
+                    assert!(matches!(origin, SettingOrigin::Car(_)))
+                }
+                ("warm_up.speed_mps", origin) => {
+                    assert!(matches!(origin, SettingOrigin::CarAndTrack(_)))
+                }
+                (name, SettingOrigin::Preset(_)) => {
                     assert_eq!(setting.value.to_string(), preset, "{name}")
                 }
                 _ => {}

@@ -4,7 +4,7 @@ use log_export::scene::on_track;
 use serde_json::{Value, json};
 
 use crate::lap::short;
-use crate::model::Model;
+use crate::model::ViewModel;
 
 /// Stages of a plan and points of a safe set that a page gets, at most. \[-\]
 const POINTS: usize = 400;
@@ -23,7 +23,7 @@ pub(crate) struct Cursor {
 pub(crate) type Events = Vec<(&'static str, String)>;
 
 /// What is new since the cursor, at `now_ns`; with `status`, also the states of all programs.
-pub(crate) fn events(model: &Model, cursor: &mut Cursor, now_ns: i64, status: bool) -> Events {
+pub(crate) fn events(model: &ViewModel, cursor: &mut Cursor, now_ns: i64, status: bool) -> Events {
     let mut out = Events::new();
     if model.world_version != cursor.world {
         cursor.world = model.world_version;
@@ -46,7 +46,7 @@ pub(crate) fn events(model: &Model, cursor: &mut Cursor, now_ns: i64, status: bo
     out
 }
 
-fn frame(model: &Model, cursor: &mut Cursor, now_ns: i64) -> Value {
+fn frame(model: &ViewModel, cursor: &mut Cursor, now_ns: i64) -> Value {
     let mut frame = json!({ "now": short(now_ns as f64 * 1e-9), "states": model.states_seen });
     let Some(map) = frame.as_object_mut() else { return frame };
     if let Some(car) = car(model, now_ns) {
@@ -80,7 +80,7 @@ fn frame(model: &Model, cursor: &mut Cursor, now_ns: i64) -> Value {
     frame
 }
 
-fn car(model: &Model, now_ns: i64) -> Option<Value> {
+fn car(model: &ViewModel, now_ns: i64) -> Option<Value> {
     let (state, arrival_ns) = model.watch.state()?;
     let place = model.watch.place(state);
     let (use_f, use_r) = model.tyres(state);
@@ -100,7 +100,7 @@ fn car(model: &Model, now_ns: i64) -> Option<Value> {
 }
 
 /// The plan and the safe set of the last step.
-fn plan(model: &Model) -> Value {
+fn plan(model: &ViewModel) -> Value {
     let Some(step) = model.watch.step() else { return Value::Null };
     let states: Vec<_> = step
         .pred

@@ -14,6 +14,6 @@ mod reference;
 mod view;
 mod world;
 
-pub use http::{Give, Order, Orders, Server, ServerOptions};
+pub use http::{Give, OrderRequest, Orders, Server, ServerOptions};
 pub use reference::{Reference, Resolve, Wanted};
 pub use view::{Clock, View};

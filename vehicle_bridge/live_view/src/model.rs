@@ -17,7 +17,7 @@ const STEPS: usize = 1200;
 
 /// The times of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StepTime {
+pub(crate) struct StepDurations {
     pub(crate) total_us: i32,
     pub(crate) build_us: i32,
     pub(crate) solve_us: i32,
@@ -25,7 +25,7 @@ pub(crate) struct StepTime {
 }
 
 /// Everything so far. Memory is bounded: traces by the track, tables and rings by their sizes.
-pub(crate) struct Model {
+pub(crate) struct ViewModel {
     pub(crate) watch: Watch,
     resolve: Resolve,
     wanted: Wanted,
@@ -35,7 +35,7 @@ pub(crate) struct Model {
     /// Of `world`: grows with each change. \[-\]
     pub(crate) world_version: u64,
     pub(crate) laps: Option<Laps>,
-    pub(crate) steps: VecDeque<StepTime>,
+    pub(crate) steps: VecDeque<StepDurations>,
     /// Steps so far, those that are not kept any more included. \[-\]
     pub(crate) steps_seen: u64,
     /// States so far. \[-\]
@@ -46,7 +46,7 @@ pub(crate) struct Model {
     pub(crate) ended: Option<String>,
 }
 
-impl Model {
+impl ViewModel {
     pub(crate) fn new(resolve: Resolve) -> Self {
         Self {
             watch: Watch::default(),
@@ -108,7 +108,7 @@ impl Model {
         if self.steps.len() >= STEPS {
             self.steps.pop_front();
         }
-        self.steps.push_back(StepTime {
+        self.steps.push_back(StepDurations {
             total_us: step.total_us,
             build_us: step.build_us,
             solve_us: step.solve_us,

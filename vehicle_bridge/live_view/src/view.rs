@@ -4,7 +4,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::frame::{self, Cursor, Events};
-use crate::model::Model;
+use crate::model::ViewModel;
 use crate::reference::Resolve;
 
 /// The time of what is shown: this computer's for a network, that of the log for a log. \[ns\]
@@ -14,7 +14,7 @@ pub type Clock = Box<dyn Fn() -> i64 + Send + Sync>;
 pub struct View {
     source: String,
     clock: Clock,
-    model: Mutex<Model>,
+    model: Mutex<ViewModel>,
     changed: Condvar,
 }
 
@@ -22,7 +22,7 @@ impl View {
     /// Nothing received yet of `source`, which is named on the page.
     #[must_use]
     pub fn new(source: String, clock: Clock, resolve: Resolve) -> Self {
-        let model = Mutex::new(Model::new(resolve));
+        let model = Mutex::new(ViewModel::new(resolve));
         Self { source, clock, model, changed: Condvar::new() }
     }
 
@@ -51,7 +51,7 @@ impl View {
     /// then.
     pub(crate) fn wait(&self, known: u64, patience: Duration) -> u64 {
         let model = self.lock();
-        let idle = |model: &mut Model| model.version == known;
+        let idle = |model: &mut ViewModel| model.version == known;
         let waited = self.changed.wait_timeout_while(model, patience, idle);
         waited.unwrap_or_else(PoisonError::into_inner).0.version
     }
@@ -62,7 +62,7 @@ impl View {
         frame::events(&model, cursor, (self.clock)(), status)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Model> {
+    fn lock(&self) -> MutexGuard<'_, ViewModel> {
         self.model.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

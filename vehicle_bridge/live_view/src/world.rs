@@ -23,13 +23,13 @@ pub(crate) struct World {
     left: Vec<[f64; 2]>,
     right: Vec<[f64; 2]>,
     centre: Vec<[f64; 2]>,
-    car: Car,
+    car: CarBody,
     optimum: Option<Line>,
 }
 
 /// The car's body and the limits of its inputs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct Car {
+struct CarBody {
     name: String,
     /// Its parameters are known; otherwise the outline is a guess and there are no limits.
     known: bool,
@@ -82,10 +82,10 @@ impl World {
     }
 }
 
-fn car(track: &Track, named: &str, reference: Option<&Reference>) -> Car {
+fn car(track: &Track, named: &str, reference: Option<&Reference>) -> CarBody {
     if let Some(Reference { car, .. }) = reference {
         let body = Outline::new(car);
-        return Car {
+        return CarBody {
             name: car.name.clone(),
             known: true,
             front: body.front,
@@ -99,7 +99,7 @@ fn car(track: &Track, named: &str, reference: Option<&Reference>) -> Car {
     }
     let first = |widths: &[f32]| widths.first().copied().map_or(0.5, f64::from);
     let length = UNKNOWN.0 * (first(&track.w_left) + first(&track.w_right));
-    Car {
+    CarBody {
         name: named.to_owned(),
         known: false,
         front: 0.5 * length,

@@ -271,7 +271,7 @@ fn files_are_served_and_nothing_of_other_places() {
 fn orders_are_taken_only_with_the_token_from_this_page_and_if_wanted() {
     let given = Arc::new(Mutex::new(Vec::new()));
     let taken = Arc::clone(&given);
-    let give = move |order: &live_view::Order| {
+    let give = move |order: &live_view::OrderRequest| {
         taken.lock().unwrap().push((order.order.clone(), order.value));
         if order.order == "start" { Err("not armed".to_owned()) } else { Ok("fine".to_owned()) }
     };

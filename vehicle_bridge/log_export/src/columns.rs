@@ -11,16 +11,16 @@ pub const MAX_INDEX: usize = 256;
 
 /// The columns a stream of messages needs, grown by each message of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Columns {
+pub enum ColumnTree {
     /// One column.
     Cell,
     /// Elements of an array, as many as the longest has.
-    List(Vec<Columns>),
+    List(Vec<ColumnTree>),
     /// Members of a struct.
-    Group(Vec<Columns>),
+    Group(Vec<ColumnTree>),
 }
 
-impl Columns {
+impl ColumnTree {
     /// The columns `value` needs.
     #[must_use]
     pub fn of(value: &Value) -> Self {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 
 use super::Types;
-use super::columns::Columns;
+use super::columns::ColumnTree;
 use super::log::{self, Account, Stream};
 
 /// Name of the first column: when a message was received, since 1970. \[s\]
@@ -15,7 +15,7 @@ pub const TIME: &str = "time_s";
 
 /// A file being written.
 struct Sheet {
-    columns: Columns,
+    columns: ColumnTree,
     path: PathBuf,
     writer: csv::Writer<File>,
     cells: Vec<String>,
@@ -27,13 +27,13 @@ struct Sheet {
 /// # Errors
 /// If the log cannot be read or a file not be written.
 pub fn write(log: &Path, types: &Types, channels: &[String], folder: &Path) -> Result<Account> {
-    let mut columns: BTreeMap<Stream, Columns> = BTreeMap::new();
+    let mut columns: BTreeMap<Stream, ColumnTree> = BTreeMap::new();
     log::read(log, types, channels, |entry| {
         let stream = stream(entry);
         if let Some(columns) = columns.get_mut(&stream) {
             columns.grow(entry.value);
         } else {
-            columns.insert(stream, Columns::of(entry.value));
+            columns.insert(stream, ColumnTree::of(entry.value));
         }
         Ok(())
     })?;
@@ -53,7 +53,7 @@ pub fn write(log: &Path, types: &Types, channels: &[String], folder: &Path) -> R
     Ok(account)
 }
 
-fn stream(entry: &log::Entry<'_>) -> Stream {
+fn stream(entry: &log::DecodedEvent<'_>) -> Stream {
     Stream { channel: entry.event.channel.clone(), type_name: entry.of.full_name() }
 }
 
@@ -64,7 +64,7 @@ fn seconds(utime: i64) -> String {
 }
 
 fn sheets(
-    columns: BTreeMap<Stream, Columns>,
+    columns: BTreeMap<Stream, ColumnTree>,
     types: &Types,
     folder: &Path,
 ) -> Result<BTreeMap<Stream, Sheet>> {

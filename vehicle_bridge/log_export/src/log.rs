@@ -6,7 +6,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use lcm_types::eventlog::{Event, Reader};
+use lcm_types::eventlog::{Event, EventReader};
 use lcm_types::schema::Struct;
 use lcm_types::value::Value;
 use serde::Serialize;
@@ -51,7 +51,7 @@ impl Account {
 
 /// One message of a log.
 #[derive(Debug)]
-pub struct Entry<'a> {
+pub struct DecodedEvent<'a> {
     /// As logged.
     pub event: &'a Event,
     /// Its type.
@@ -69,11 +69,11 @@ pub fn read(
     path: &Path,
     types: &Types,
     channels: &[String],
-    mut take: impl FnMut(&Entry<'_>) -> Result<()>,
+    mut take: impl FnMut(&DecodedEvent<'_>) -> Result<()>,
 ) -> Result<Account> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
-    let mut reader = Reader::new(BufReader::new(file));
+    let mut reader = EventReader::new(BufReader::new(file));
     let mut account = Account::default();
     while let Some(event) = reader.next_event().with_context(|| format!("cannot read {shown}"))? {
         if event.channel == SELF_TEST || !(channels.is_empty() || channels.contains(&event.channel))
@@ -88,7 +88,7 @@ pub fn read(
             *account.unreadable.entry(event.channel).or_default() += 1;
             continue;
         };
-        take(&Entry { event: &event, of, value: &value })?;
+        take(&DecodedEvent { event: &event, of, value: &value })?;
         let stream = Stream { channel: event.channel, type_name: of.full_name() };
         *account.streams.entry(stream).or_default() += 1;
     }

@@ -14,7 +14,7 @@ use mcap::{WriteOptions, Writer};
 use serde_json::Value;
 
 use super::json::Json;
-use super::log::{self, Account, Entry};
+use super::log::{self, Account, DecodedEvent};
 use super::scene::{self, Scene};
 use super::{Types, schema};
 
@@ -63,8 +63,8 @@ fn first_track(log: &Path) -> Result<Option<Track>> {
 }
 
 impl Book {
-    fn message(&mut self, types: &Types, entry: &Entry<'_>) -> Result<()> {
-        let Entry { event, of, value } = entry;
+    fn message(&mut self, types: &Types, entry: &DecodedEvent<'_>) -> Result<()> {
+        let DecodedEvent { event, of, value } = entry;
         let name = of.full_name();
         let data = serde_json::to_vec(&Json::Message(types, of, value))?;
         let described = || schema::of(types, of);
@@ -103,7 +103,7 @@ impl Book {
 }
 
 /// What our own headers say, where a message has one. \[us\]
-fn sent(entry: &Entry<'_>) -> Option<i64> {
+fn sent(entry: &DecodedEvent<'_>) -> Option<i64> {
     use lcm_types::value::Value::{Integer, Struct};
     let Struct(values) = entry.value else { return None };
     let header = entry

@@ -12,7 +12,7 @@ use super::unit::Quantity;
 
 /// What the car is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct CarRequest {
     /// Input to apply; `None` sends the safe stop.
     pub input: Option<Input>,
     /// `meas_mono_ns` of the state this answers, if any. \[ns\]
@@ -133,16 +133,16 @@ impl Mapping {
     /// # Errors
     /// If the command cannot be encoded; nothing that [`Mapping::new`] let through is known to do
     /// so.
-    pub fn command(&mut self, drive: &Drive, out: &mut Vec<u8>) -> Result<(), Error> {
-        let answered = drive.answers_ns.and_then(|ns| self.their_time(ns));
+    pub fn command(&mut self, request: &CarRequest, out: &mut Vec<u8>) -> Result<(), Error> {
+        let answered = request.answers_ns.and_then(|ns| self.their_time(ns));
         let map = &mut self.command;
         for field in &mut map.fields {
-            let value = field.value(drive.input);
+            let value = field.value(request.input);
             put(&mut map.message, &field.place.path, of_kind(field.place.kind, value));
         }
         if let Some((place, unit, of)) = &map.time {
             let ns = match of {
-                TimeOf::Sending => drive.utime.saturating_mul(1000),
+                TimeOf::Sending => request.utime.saturating_mul(1000),
                 TimeOf::Measurement => answered.unwrap_or(0),
             };
             #[expect(clippy::cast_possible_truncation, reason = "1 to 10^9")]

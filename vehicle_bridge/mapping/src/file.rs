@@ -79,7 +79,7 @@ pub(super) struct YawEntry {
     /// An array of four.
     pub(super) quaternion: Option<Spanned<String>>,
     #[serde(default)]
-    pub(super) order: Order,
+    pub(super) order: QuaternionOrder,
     pub(super) field: Option<Spanned<String>>,
     pub(super) unit: Option<Spanned<String>>,
     #[serde(default = "one")]
@@ -102,7 +102,7 @@ pub(super) enum VelocityFrame {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Order {
+pub(super) enum QuaternionOrder {
     #[default]
     Wxyz,
     Xyzw,

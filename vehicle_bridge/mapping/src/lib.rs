@@ -14,10 +14,10 @@ mod state;
 mod tests;
 mod unit;
 
-pub use command::Drive;
+pub use command::CarRequest;
 pub use file::MapFile;
-pub use resolve::Problem;
-pub use state::Counts;
+pub use resolve::MapProblem;
+pub use state::CarMessageCounts;
 pub use unit::{Quantity, factor};
 
 use lcm_types::schema::Schema;
@@ -37,7 +37,7 @@ impl Mapping {
     ///
     /// # Errors
     /// Everything that is wrong.
-    pub fn new(file: &MapFile, text: &str, schema: Schema) -> Result<Self, Vec<Problem>> {
+    pub fn new(file: &MapFile, text: &str, schema: Schema) -> Result<Self, Vec<MapProblem>> {
         let mut resolver = resolve::Resolver::new(text, &schema);
         let state = state::StateMap::resolve(file, &mut resolver);
         let command = command::CommandMap::resolve(&file.command, &mut resolver);

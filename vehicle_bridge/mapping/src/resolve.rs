@@ -13,14 +13,14 @@ use super::unit::{Quantity, factor};
 
 /// Something wrong in a map file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
+pub struct MapProblem {
     /// Line, from 1, where it is known.
     pub line: Option<usize>,
     /// What was found and what was expected.
     pub message: String,
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for MapProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
             Some(line) => write!(f, "line {line}: {}", self.message),
@@ -39,7 +39,7 @@ pub(super) struct Place {
 pub(super) struct Resolver<'a> {
     text: &'a str,
     pub(super) schema: &'a Schema,
-    pub(super) problems: Vec<Problem>,
+    pub(super) problems: Vec<MapProblem>,
 }
 
 impl<'a> Resolver<'a> {
@@ -51,7 +51,7 @@ impl<'a> Resolver<'a> {
     pub(super) fn wrong<T>(&mut self, at: &Spanned<T>, message: String) {
         let before = self.text.get(..at.span().start);
         let line = (at.span().end > 0).then(|| before.map(|b| b.matches('\n').count() + 1));
-        self.problems.push(Problem { line: line.flatten(), message });
+        self.problems.push(MapProblem { line: line.flatten(), message });
     }
 
     pub(super) fn note<T, U>(&mut self, at: &Spanned<U>, made: Result<T, String>) -> Option<T> {

@@ -6,7 +6,9 @@ use lcm_types::value::{Path, Value};
 use lcm_types::{Header, VehicleState};
 
 use super::Mapping;
-use super::file::{FrameEntry, MapFile, Order, ReferenceEntry, Sense, Signal, VelocityFrame, Zero};
+use super::file::{
+    FrameEntry, MapFile, QuaternionOrder, ReferenceEntry, Sense, Signal, VelocityFrame, Zero,
+};
 use super::resolve::Resolver;
 use super::unit::Quantity;
 use lcm_types::Arrival;
@@ -16,7 +18,7 @@ const LEAP_NS: i64 = 1_000_000_000;
 
 /// What became of the car's messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct CarMessageCounts {
     /// States made. \[-\]
     pub states: u64,
     /// Messages that could not be decoded, or held what is no number. \[-\]
@@ -27,7 +29,7 @@ pub struct Counts {
     pub incomplete: u64,
 }
 
-impl fmt::Display for Counts {
+impl fmt::Display for CarMessageCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { states, bad, old, incomplete } = self;
         write!(f, "car: {states} states, {bad} bad, {old} old, {incomplete} incomplete")
@@ -46,7 +48,7 @@ struct Number {
 #[derive(Debug, Clone)]
 enum Yaw {
     Angle { number: Number, zero: Zero, positive: Sense },
-    Quaternion { source: usize, paths: [Path; 4], order: Order },
+    Quaternion { source: usize, paths: [Path; 4], order: QuaternionOrder },
 }
 
 #[derive(Debug, Clone)]
@@ -71,7 +73,7 @@ pub(super) struct StateMap {
     frame: FrameEntry,
     /// Our monotonic clock when the source's is 0, and its last time. \[ns\]
     clock: Option<(i64, i64)>,
-    counts: Counts,
+    counts: CarMessageCounts,
 }
 
 // Places in `StateMap::numbers`.
@@ -144,7 +146,7 @@ impl StateMap {
             reference: file.reference,
             frame: file.frame,
             clock: None,
-            counts: Counts::default(),
+            counts: CarMessageCounts::default(),
         })
     }
 
@@ -204,8 +206,8 @@ impl StateMap {
                 let q = paths.each_ref().map(|p| p.get(message).and_then(Value::number));
                 let [a, b, c, d] = q;
                 let (w, x, y, z) = match order {
-                    Order::Wxyz => (a?, b?, c?, d?),
-                    Order::Xyzw => (d?, a?, b?, c?),
+                    QuaternionOrder::Wxyz => (a?, b?, c?, d?),
+                    QuaternionOrder::Xyzw => (d?, a?, b?, c?),
                 };
                 let norm = w * w + x * x + y * y + z * z;
                 // Not a rotation: an estimator that has not started sends zeros.
@@ -327,7 +329,7 @@ impl Mapping {
 
     /// What became of the messages so far.
     #[must_use]
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> CarMessageCounts {
         self.state.counts
     }
 

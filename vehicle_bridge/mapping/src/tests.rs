@@ -66,7 +66,7 @@ fn schema() -> Schema {
     Schema::parse(&[("their.lcm", TYPES)]).unwrap()
 }
 
-fn mapping(state: &str) -> Result<Mapping, Vec<Problem>> {
+fn mapping(state: &str) -> Result<Mapping, Vec<MapProblem>> {
     let text = format!("{state}{COMMAND}");
     Mapping::new(&toml::from_str(&text).unwrap(), &text, schema())
 }
@@ -180,8 +180,8 @@ fn an_input_becomes_their_command_and_stops_when_there_is_none() {
     let state = mapping.take("POSE", &bytes, at(5)).unwrap();
     let mut bytes = Vec::new();
     let mut say = |input: Option<Input>| {
-        let drive = Drive { input, answers_ns: Some(state.meas_mono_ns), utime: 1 };
-        mapping.command(&drive, &mut bytes).unwrap();
+        let request = CarRequest { input, answers_ns: Some(state.meas_mono_ns), utime: 1 };
+        mapping.command(&request, &mut bytes).unwrap();
         let Value::Struct(values) = schema().decode("their.cmd_t", &bytes).unwrap() else {
             panic!("a struct");
         };
@@ -209,7 +209,7 @@ fn everything_wrong_is_named_with_its_line() {
         .replace("unit = \"km/h\"", "unit = \"kmh\"")
         .replace("max_age_ms = 50", "max_age_ms = -1")
         .replace("their.ins_t", "their.in_t");
-    let lines = |problems: Vec<Problem>| -> Vec<String> {
+    let lines = |problems: Vec<MapProblem>| -> Vec<String> {
         problems.iter().map(ToString::to_string).collect()
     };
     let found = lines(mapping(&broken).unwrap_err());

@@ -9,14 +9,14 @@ pub struct Optimum {
     pub lap_time: f64,
     /// Points along the lap in the order of driving; the first is repeated at the end, one lap
     /// and one lap time later.
-    pub points: Vec<Point>,
+    pub points: Vec<LapPoint>,
     /// How good it is.
     pub quality: Quality,
 }
 
 /// A point of the lap.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct LapPoint {
     /// Time since the line \[s\].
     pub time: f64,
     /// State of the car.

@@ -24,6 +24,6 @@ mod solve;
 mod start;
 
 pub use error::Error;
-pub use lap::{Optimum, Point, Quality};
-pub use options::{Options, Progress};
+pub use lap::{LapPoint, Optimum, Quality};
+pub use options::{Options, SolveProgress};
 pub use solve::{solve, solve_with_progress};

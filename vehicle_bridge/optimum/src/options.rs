@@ -28,7 +28,7 @@ impl Options {
 
 /// What has been done so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Progress {
+pub enum SolveProgress {
     /// A start has been solved on the first mesh.
     Start {
         /// Which, from 0.

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::interior_point::{self, Multipliers, Settings, Solved, Start};
 use crate::interval::{Defect, NS, Node};
 use crate::mesh::{self, Part};
-use crate::options::Progress;
+use crate::options::SolveProgress;
 use crate::problem::Problem;
 
 /// Violation of the scaled optimality conditions at which a solution ends.
@@ -33,14 +33,14 @@ impl Case<'_> {
         &self,
         mut problem: Problem,
         mut solved: Solved,
-        progress: &mut impl FnMut(Progress),
+        progress: &mut impl FnMut(SolveProgress),
     ) -> Result<(Problem, Solved), Error> {
         let tolerance = MESH_SHARE * self.options.defect;
         let mut band = BAND;
         for round in 0..ROUNDS {
             let mut errors = self.errors(&problem, &solved.z);
             let worst = errors.iter().copied().fold(0.0, f64::max);
-            progress(Progress::Refined {
+            progress(SolveProgress::Refined {
                 intervals: problem.len(),
                 steps: solved.steps,
                 lap_time: times(&problem, &solved.z).iter().sum(),

@@ -8,8 +8,8 @@ use crate::case::Case;
 use crate::error::Error;
 use crate::interior_point::{self, Settings, Solved};
 use crate::interval::Node;
-use crate::lap::{Optimum, Point, Quality};
-use crate::options::{Options, Progress};
+use crate::lap::{LapPoint, Optimum, Quality};
+use crate::options::{Options, SolveProgress};
 use crate::problem::Problem;
 use crate::refine::{BAND, scaled, times};
 
@@ -36,7 +36,7 @@ pub fn solve_with_progress(
     car: &CarParams,
     track: &Arc<Track>,
     options: &Options,
-    mut progress: impl FnMut(Progress),
+    mut progress: impl FnMut(SolveProgress),
 ) -> Result<Optimum, Error> {
     check_options(options)?;
     let problems = car.validate();
@@ -55,7 +55,7 @@ pub fn solve_with_progress(
         let time = solved.as_ref().map(|s| s.cost / problem.cost_of_time);
         let good = solved.as_ref().is_some_and(|s| s.converged);
         let steps = solved.as_ref().map_or(0, |s| s.steps);
-        progress(Progress::Start { index, steps, lap_time: time.filter(|_| good) });
+        progress(SolveProgress::Start { index, steps, lap_time: time.filter(|_| good) });
         match (solved, time) {
             (Some(solved), Some(time)) if good => found.push((time, problem, solved)),
             (Some(solved), Some(time)) if solved.error < failed.0 => failed = (solved.error, time),
@@ -124,7 +124,7 @@ impl Case<'_> {
             let tolerance = self.options.defect;
             return Err(Error::Defect { defect: worst, s: place, tolerance });
         }
-        let mut points: Vec<Point> = Vec::with_capacity(nodes.len() + 1);
+        let mut points: Vec<LapPoint> = Vec::with_capacity(nodes.len() + 1);
         let mut time = 0.0;
         for (k, z) in nodes.iter().enumerate() {
             points.push(point(time, problem.intervals[k].s, z));
@@ -144,7 +144,7 @@ impl Case<'_> {
     }
 }
 
-fn point(time: f64, s: f64, z: &Node) -> Point {
+fn point(time: f64, s: f64, z: &Node) -> LapPoint {
     let x = State { v_x: z[0], v_y: z[1], omega_z: z[2], e_psi: z[3], s, e_y: z[4] };
-    Point { time, x, u: Input { a: z[5], delta: z[6] } }
+    LapPoint { time, x, u: Input { a: z[5], delta: z[6] } }
 }

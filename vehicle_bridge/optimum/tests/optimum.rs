@@ -40,7 +40,7 @@ fn the_small_car_on_the_l_track() {
     }
     // The speeds along the line give the lap time once more, by the trapezoidal rule.
     let track = l();
-    let pace = |p: &optimum::Point, s: f64| {
+    let pace = |p: &optimum::LapPoint, s: f64| {
         let forward = p.x.v_x * p.x.e_psi.cos() - p.x.v_y * p.x.e_psi.sin();
         (1.0 - track.kappa(s) * p.x.e_y) / forward
     };

@@ -3,4 +3,4 @@
 pub mod files;
 mod store;
 
-pub use store::{Known, Store};
+pub use store::{Known, OptimumStore};

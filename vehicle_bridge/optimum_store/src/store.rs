@@ -38,11 +38,11 @@ pub struct Known {
 
 /// A folder of known laps.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Store {
+pub struct OptimumStore {
     folder: PathBuf,
 }
 
-impl Store {
+impl OptimumStore {
     /// The given folder, by default that of the track's file, or `out/optimum` if the track ships
     /// with the product.
     #[must_use]
@@ -103,7 +103,7 @@ impl Known {
     /// What is kept of a lap.
     #[must_use]
     pub fn new(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> Self {
-        let point = |p: &optimum::Point| [p.x.s, p.time, p.x.v_x, p.x.e_y];
+        let point = |p: &optimum::LapPoint| [p.x.s, p.time, p.x.v_x, p.x.e_y];
         Self {
             car: car.name.clone(),
             track: track.name().to_owned(),
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn the_shipped_lap_is_up_to_date_and_belongs_to_one_margin_only() {
         let (car, track) = small_car_on_l();
-        let nowhere = Store { folder: PathBuf::from("there/is/no/such/folder") };
+        let nowhere = OptimumStore { folder: PathBuf::from("there/is/no/such/folder") };
         let known = nowhere.find(&car, &track, 0.1).unwrap();
         let lap = solve(&car, &Arc::new(track.clone()), &Options::new(0.1)).unwrap();
         assert!((known.lap_time_s - lap.lap_time).abs() < 1e-3);
@@ -173,7 +173,7 @@ mod tests {
         let car = CarParams::builtin("mini").unwrap();
         let (_, track) = small_car_on_l();
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::of("l", Some(folder.path()));
+        let store = OptimumStore::of("l", Some(folder.path()));
         assert_eq!(store.find(&car, &track, 0.1), None);
         let lap = solve(&car, &Arc::new(track.clone()), &Options::new(0.1)).unwrap();
         let path = store.save(&car, &track, 0.1, &lap).unwrap();

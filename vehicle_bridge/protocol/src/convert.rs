@@ -126,7 +126,7 @@ pub fn measurement(
 
 /// The state a command answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Answered {
+pub struct AnsweredState {
     /// Its sender.
     pub boot_id: BootId,
     /// Its number.
@@ -135,7 +135,7 @@ pub struct Answered {
     pub measured: MonoTime,
 }
 
-impl Answered {
+impl AnsweredState {
     /// Of this state.
     #[must_use]
     pub fn of(state: &VehicleState) -> Self {
@@ -151,7 +151,7 @@ impl Answered {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CommandDraft<'a> {
     /// The state it answers.
-    pub answered: Answered,
+    pub answered: AnsweredState,
     /// `MODE_…` of [`ActuationCommand`].
     pub mode: i8,
     /// What to apply.
@@ -262,7 +262,7 @@ mod tests {
         let u = |a: f64| Input { a, delta: -a };
         let plan = Plan { x: Vec::new(), u: (0..10).map(|i| u(f64::from(i))).collect() };
         let order = CommandDraft {
-            answered: Answered::default(),
+            answered: AnsweredState::default(),
             mode: ActuationCommand::MODE_DRIVE,
             input: u(0.0),
             plan: Some(&plan),

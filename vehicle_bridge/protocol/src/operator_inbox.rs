@@ -18,7 +18,7 @@ pub enum Heard {
 }
 
 #[derive(Debug, Clone)]
-struct Operator {
+struct HeardOperator {
     boot_id: BootId,
     seq: SeqNumber,
     heard: MonoTime,
@@ -31,7 +31,7 @@ struct Operator {
 #[derive(Debug, Clone)]
 pub struct OperatorInbox {
     host: String,
-    operators: Vec<Operator>,
+    operators: Vec<HeardOperator>,
 }
 
 impl OperatorInbox {
@@ -77,7 +77,7 @@ impl OperatorInbox {
             }
         }
         let (boot_id, seq) = (order.h.sender_start(), order.h.number());
-        self.operators.push(Operator { boot_id, seq, heard, answer: None });
+        self.operators.push(HeardOperator { boot_id, seq, heard, answer: None });
     }
 
     /// Keeps the answer to an order of the start `boot_id`.

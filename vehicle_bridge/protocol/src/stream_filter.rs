@@ -15,7 +15,7 @@ pub enum RejectReason {
 
 /// Counts of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct StreamCounts {
     /// Accepted. \[-\]
     pub ok: i64,
     /// Refused as [`RejectReason::Bad`]. \[-\]
@@ -39,7 +39,7 @@ pub struct StreamFilter {
     /// Name of this host, as in the end of `sender`: its clock is ours.
     pub host: String,
     /// Counts so far.
-    pub counts: Counts,
+    pub counts: StreamCounts,
     last: Option<Last>,
 }
 
@@ -63,7 +63,7 @@ impl StreamFilter {
     /// Listens to whoever speaks first.
     #[must_use]
     pub fn new(max_age_ns: i64, silence_ns: i64, host: &str) -> Self {
-        let counts = Counts::default();
+        let counts = StreamCounts::default();
         Self { max_age_ns, silence_ns, host: host.to_owned(), counts, last: None }
     }
 
@@ -166,7 +166,7 @@ mod tests {
             (say(7), say(6), say(500)),
             (Err(RejectReason::Old), Err(RejectReason::Old), Err(RejectReason::Old))
         );
-        let expected = Counts { ok: 3, old: 4, lost: 1, ..Counts::default() };
+        let expected = StreamCounts { ok: 3, old: 4, lost: 1, ..StreamCounts::default() };
         assert_eq!(filter.counts, expected);
     }
 

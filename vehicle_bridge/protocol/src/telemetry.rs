@@ -41,7 +41,7 @@ pub fn track_message(track: &Track) -> lcm_types::Track {
 
 /// What the host adds to a step's telemetry.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Step {
+pub struct HostTelemetry {
     /// Number of the state that was answered. \[-\]
     pub state_seq: SeqNumber,
     /// Times of the step.
@@ -60,7 +60,7 @@ pub fn step_message(
     h: Header,
     controller: &Controller,
     command: &Command,
-    step: &Step,
+    step: &HostTelemetry,
 ) -> MpcTelemetry {
     let status = &command.status;
     let (plan, set) = (controller.plan(), controller.safe_set());
@@ -275,7 +275,7 @@ mod tests {
             let pose = Pose::Frenet(plant.measure());
             let time = f64::from(n) * period;
             let command = controller.step(&Measurement { time, pose, applied: None });
-            let step = Step::default();
+            let step = HostTelemetry::default();
             let message = step_message(Header::default(), &controller, &command, &step);
             assert_eq!(message.slack.len(), 4);
             let warm_up = command.status.action == Action::WarmUp;

@@ -8,7 +8,7 @@ use super::words::{action_word, kind_word, reason_word, solve_word, solver_word}
 
 /// One value of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value {
+pub enum ColumnValue {
     /// A number.
     Number(f64),
     /// A number that there may be none of: it is not a number then, and empty in a file.
@@ -23,7 +23,7 @@ pub enum Value {
     Switch(bool),
 }
 
-impl Value {
+impl ColumnValue {
     /// The value as a number; a switch is 0 or 1, a word and a missing value are none.
     #[must_use]
     pub fn number(self) -> Option<f64> {
@@ -38,7 +38,7 @@ impl Value {
 }
 
 /// As in a file: reading a number gives the same bits again.
-impl fmt::Display for Value {
+impl fmt::Display for ColumnValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Maybe(value) if value.is_nan() => Ok(()),
@@ -57,12 +57,12 @@ pub struct Column<T> {
     /// Name, with the unit at its end.
     pub name: &'static str,
     /// The value in a row.
-    pub of: fn(&T) -> Value,
+    pub of: fn(&T) -> ColumnValue,
 }
 
 macro_rules! columns {
     ($row:ident; $($name:literal $kind:ident($value:expr)),* $(,)?) => {
-        &[$(Column { name: $name, of: |$row| Value::$kind($value) }),*]
+        &[$(Column { name: $name, of: |$row| ColumnValue::$kind($value) }),*]
     };
 }
 

@@ -28,7 +28,7 @@ pub use plant::change_plant;
 
 use hosting::rule::FailureReason;
 use hosting::timing::{StepTime, Stopwatch};
-use record::{Failure, LapRow, ModelError, StepRow, tyre_use};
+use record::{Failure, LapRow, ModelErrorNorms, StepRow, tyre_use};
 use vehicle_host::{Vehicle, VehicleError};
 
 /// Where the learned model is compared with the plant's own linearisation.
@@ -297,9 +297,9 @@ impl Race {
     }
 
     /// |A_learned - A_plant| with the same discretisation, at the same points.
-    fn model_error(&self, x: &State, u: &Input, status: &Status) -> ModelError {
+    fn model_error(&self, x: &State, u: &Input, status: &Status) -> ModelErrorNorms {
         let Some(plant) = self.exact.as_ref().filter(|_| status.action == Action::Learned) else {
-            return ModelError::NONE;
+            return ModelErrorNorms::NONE;
         };
         let at = |x: &State, u: &Input| {
             let learned = self.controller.learned_model(x, u).sum().a;
@@ -309,11 +309,11 @@ impl Race {
             (learned - exact.a).norm()
         };
         match self.options.model_error {
-            ModelErrorAt::Never => ModelError::NONE,
-            ModelErrorAt::Now => ModelError::of(vec![at(x, u)]),
+            ModelErrorAt::Never => ModelErrorNorms::NONE,
+            ModelErrorAt::Now => ModelErrorNorms::of(vec![at(x, u)]),
             ModelErrorAt::Plan => {
                 let plan = self.controller.plan();
-                ModelError::of(plan.x.iter().zip(&plan.u).map(|(x, u)| at(x, u)).collect())
+                ModelErrorNorms::of(plan.x.iter().zip(&plan.u).map(|(x, u)| at(x, u)).collect())
             }
         }
     }

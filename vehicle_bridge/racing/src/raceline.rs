@@ -125,7 +125,7 @@ mod tests {
     use vehicle_model::{Input, State};
 
     use super::*;
-    use crate::record::ModelError;
+    use crate::record::ModelErrorNorms;
 
     /// Round a circle at constant speed: its curvature, no acceleration, and the same points back.
     #[test]
@@ -151,7 +151,7 @@ mod tests {
                     use_f: 0.0,
                     use_r: 0.0,
                     overhang: 0.0,
-                    model_error: ModelError::NONE,
+                    model_error: ModelErrorNorms::NONE,
                 }
             })
             .collect();

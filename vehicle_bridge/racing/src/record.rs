@@ -31,7 +31,7 @@ pub struct StepRow {
     /// inside \[m\].
     pub overhang: f64,
     /// Frobenius norm of the learned model's error in A; not a number where it was not asked for.
-    pub model_error: ModelError,
+    pub model_error: ModelErrorNorms,
 }
 
 /// Share of an axle's largest lateral force that a slip angle \[rad\] asks for, 0 to 1.
@@ -42,14 +42,14 @@ pub fn tyre_use(tyre: &Tyre, alpha: f64) -> f64 {
 
 /// Frobenius norms |A_learned - A_plant| of one step, over the points asked for.
 #[derive(Debug, Clone, Copy)]
-pub struct ModelError {
+pub struct ModelErrorNorms {
     /// Their median.
     pub median: f64,
     /// Their mean.
     pub mean: f64,
 }
 
-impl ModelError {
+impl ModelErrorNorms {
     /// Not asked for.
     pub const NONE: Self = Self { median: f64::NAN, mean: f64::NAN };
 

@@ -4,8 +4,8 @@ use super::LapView;
 use hosting::timing::{PHASES, StepTime, percentile};
 use optimum_store::Known;
 use racing::record::{LapRow, StepRow};
-use svg_page::scale::Kind;
-use svg_page::{Chart, Mark, Reference, Series};
+use svg_page::scale::ScaleKind;
+use svg_page::{Chart, Mark, ReferenceLine, Series};
 
 /// Lap time over laps, with the best so far and what is known to be possible.
 #[must_use]
@@ -25,11 +25,12 @@ pub(super) fn lap_times(laps: &[LapRow], optimal: Option<&Known>) -> String {
     chart.series.push(Series::new("warm-up", "soft", Mark::DotLine, points(|l| !l.is_learning())));
     chart.series.push(Series::new("learning", "s0", Mark::DotLine, points(LapRow::is_learning)));
     chart.series.push(Series::new("best so far", "best dashed", Mark::Line, so_far));
-    if let Some(optimal) = optimal {
-        let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
-        chart.references.push(Reference { y: optimal.lap_time_s, label });
-    }
+    chart.references.extend(optimal.map(time_optimal));
     chart.html()
+}
+
+fn time_optimal(lap: &Known) -> ReferenceLine {
+    ReferenceLine { y: lap.lap_time_s, label: format!("time-optimal {:.3} s", lap.lap_time_s) }
 }
 
 /// Learned laps only: what the warm-up laps' scale hides.
@@ -43,10 +44,7 @@ pub(super) fn learned_lap_times(laps: &[LapRow], optimal: Option<&Known>) -> Opt
         let points =
             learned.iter().map(|l| (f64::from(l.result.lap.get()), l.result.lap_time)).collect();
         chart.series.push(Series::new("learning", "s0", Mark::DotLine, points));
-        if let Some(optimal) = optimal {
-            let label = format!("time-optimal {:.3} s", optimal.lap_time_s);
-            chart.references.push(Reference { y: optimal.lap_time_s, label });
-        }
+        chart.references.extend(optimal.map(time_optimal));
         chart.html()
     })
 }
@@ -59,7 +57,7 @@ pub(super) fn model_error(laps: &[LapRow]) -> String {
         let learned = laps.iter().filter(|lap| lap.is_learning());
         learned.map(|lap| (f64::from(lap.result.lap.get()), value(lap))).collect::<Vec<_>>()
     };
-    chart.y_kind = Kind::Log;
+    chart.y_kind = ScaleKind::Log;
     chart.x_whole = true;
     chart.series.push(Series::new(
         "median of the lap",
@@ -100,7 +98,7 @@ impl Along {
         y_label: &str,
         value: impl Fn(&StepRow) -> f64,
         lines: Vec<Line>,
-        references: Vec<Reference>,
+        references: Vec<ReferenceLine>,
     ) -> String {
         let mut chart = Chart::new("s [m]", y_label);
         chart.height = 230.0;
@@ -134,11 +132,11 @@ impl Along {
 
 /// A slip guard as a reference line, if it is on.
 #[must_use]
-pub(super) fn guard(limit: f64) -> Vec<Reference> {
+pub(super) fn guard(limit: f64) -> Vec<ReferenceLine> {
     if limit <= 0.0 {
         return Vec::new();
     }
-    vec![Reference { y: limit, label: format!("guard {limit}") }]
+    vec![ReferenceLine { y: limit, label: format!("guard {limit}") }]
 }
 
 /// Histogram of the step times.

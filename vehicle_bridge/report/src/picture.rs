@@ -1,10 +1,10 @@
 //! A time-optimal lap as a page: line, speed, inputs, slip.
 
-use optimum::{Optimum, Point};
+use optimum::{LapPoint, Optimum};
 use vehicle_model::{CarParams, SlipAngles, Track};
 
 use crate::map::speed_map;
-use svg_page::{Chart, Mark, Reference, Series, card};
+use svg_page::{Chart, Mark, ReferenceLine, Series, card};
 
 /// The page as HTML.
 #[must_use]
@@ -28,13 +28,13 @@ pub fn page(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> Strin
         .collect();
     let title = format!("time-optimal lap, {:.3} s", lap.lap_time);
     let mut body = card("Line", "Colour is speed.", &speed_map(track, &line, &title));
-    let along = |label: &str, value: &dyn Fn(&Point) -> f64, limits: &[(f64, &str)]| {
+    let along = |label: &str, value: &dyn Fn(&LapPoint) -> f64, limits: &[(f64, &str)]| {
         let mut chart = Chart::new("s [m]", label);
         chart.x_range = Some((0.0, track.length()));
         let points = lap.points.iter().map(|point| (point.x.s, value(point))).collect();
         chart.series.push(Series::new("time-optimal lap", "s0", Mark::Line, points));
         for (y, label) in limits {
-            chart.references.push(Reference { y: *y, label: (*label).to_owned() });
+            chart.references.push(ReferenceLine { y: *y, label: (*label).to_owned() });
         }
         chart.html()
     };
@@ -46,7 +46,7 @@ pub fn page(car: &CarParams, track: &Track, margin: f64, lap: &Optimum) -> Strin
     let mut inputs = along("a [m/s²]", &|p| p.u.a, &stops);
     inputs.push_str(&along("delta [rad]", &|p| p.u.delta, &[]));
     body.push_str(&card("Inputs over the lap", "Positions of the actuators.", &inputs));
-    let slip = |p: &Point| SlipAngles::new(&p.x, &p.u, car);
+    let slip = |p: &LapPoint| SlipAngles::new(&p.x, &p.u, car);
     let peak = |slip: f64| if slip.is_finite() { vec![(slip, "peak of the tyre")] } else { vec![] };
     let mut tyres =
         along("|alpha_f| [rad]", &|p| slip(p).front.abs(), &peak(car.tyre_front.peak_slip()));

@@ -10,7 +10,7 @@ const MOST: usize = 4;
 
 /// One controller process.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Controller {
+struct ControllerProcess {
     boot_id: BootId,
     beat: Option<MonoTime>,
     setup: Option<Setup>,
@@ -20,19 +20,19 @@ struct Controller {
 
 /// The controllers heard lately.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Controllers([Option<Controller>; MOST]);
+pub(super) struct Controllers([Option<ControllerProcess>; MOST]);
 
 impl Controllers {
-    fn entry(&mut self, boot_id: BootId, now: MonoTime) -> Option<&mut Controller> {
+    fn entry(&mut self, boot_id: BootId, now: MonoTime) -> Option<&mut ControllerProcess> {
         let known = self.0.iter().position(|c| c.is_some_and(|c| c.boot_id == boot_id));
         let index = known.unwrap_or_else(|| {
-            let heard = |c: &Option<Controller>| c.map_or(MonoTime::EARLIEST, |c| c.heard);
+            let heard = |c: &Option<ControllerProcess>| c.map_or(MonoTime::EARLIEST, |c| c.heard);
             let all = self.0.iter().enumerate();
             all.min_by_key(|(_, c)| heard(c)).map_or(0, |(index, _)| index)
         });
         let place = self.0.get_mut(index)?;
         if known.is_none() {
-            *place = Some(Controller { boot_id, beat: None, setup: None, heard: now });
+            *place = Some(ControllerProcess { boot_id, beat: None, setup: None, heard: now });
         }
         let controller = place.as_mut()?;
         controller.heard = now;

@@ -1,7 +1,7 @@
 //! The safety core between controller and car: a pure function of state, event and time.
 //!
 //! [`step`] knows no clock, no network and no memory but the [`Safety`] it is given; the host
-//! passes events with their times and applies what each [`Event::Tick`] answers. It does not
+//! passes events with their times and applies what each [`BridgeEvent::Tick`] answers. It does not
 //! allocate. States and rules are in `docs/safety.md`.
 
 mod check;
@@ -24,9 +24,9 @@ mod types;
 
 pub use check::decode;
 pub use command::{DecodedCommand, PLAN, Reject};
-pub use doubt::{DoubtLimits, Finding, Reaction, Suspicion};
+pub use doubt::{DoubtFinding, DoubtLimits, Reaction, Suspicion};
 pub use order::{Denied, Order, OrderKind};
 pub use rules::{Rules, Setup};
 pub use step::{Safety, step};
 pub use stop_reason::StopReason;
-pub use types::{Answer, BridgeState, Counts, Event, InputSource, Output};
+pub use types::{Answer, BridgeEvent, BridgeState, CommandCounts, InputSource, Output};

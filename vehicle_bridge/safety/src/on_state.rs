@@ -4,7 +4,7 @@ use lcm_types::MonoTime;
 use vehicle_model::State;
 
 use super::command::Reject;
-use super::doubt::{Finding, Reaction, Suspicion};
+use super::doubt::{DoubtFinding, Reaction, Suspicion};
 use super::rules::Rules;
 use super::step::{Safety, Seen};
 use super::stop_reason::StopReason;
@@ -79,7 +79,7 @@ impl Safety {
 
     /// The worst doubt of the present drive.
     #[must_use]
-    pub fn finding(&self) -> Finding {
+    pub fn finding(&self) -> DoubtFinding {
         self.doubt.finding
     }
 

@@ -12,7 +12,7 @@ use super::rate::Rate;
 use super::rules::Rules;
 use super::stop;
 use super::stop_reason::StopReason;
-use super::types::{Answer, BridgeState, Counts, Event, InputSource, Output};
+use super::types::{Answer, BridgeEvent, BridgeState, CommandCounts, InputSource, Output};
 
 /// The car's state as last heard.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,37 +51,42 @@ pub struct Safety {
     pub(super) sent: Option<MonoTime>,
     pub(super) rate: Rate,
     pub(super) stop_reason: StopReason,
-    pub(super) counts: Counts,
+    pub(super) counts: CommandCounts,
 }
 
 /// One event at `now`.
 #[must_use]
-pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now: MonoTime) -> (Safety, Output) {
+pub fn step(
+    rules: &Rules,
+    safety: &Safety,
+    event: &BridgeEvent<'_>,
+    now: MonoTime,
+) -> (Safety, Output) {
     let mut next = *safety;
     next.expire(rules, event, now);
     let answer = match event {
-        Event::State(x, quality) => next.on_state(rules, x, *quality, now),
-        Event::Command(offer) => match next.on_command(rules, offer, now) {
+        BridgeEvent::State(x, quality) => next.on_state(rules, x, *quality, now),
+        BridgeEvent::Command(offer) => match next.on_command(rules, offer, now) {
             Ok(()) => Answer::Accepted,
             Err(reject) => Answer::Rejected(reject),
         },
         // Another's is no sign of the controller that holds the grant.
-        Event::Heartbeat(boot_id) if next.armed.is_some_and(|armed| armed != *boot_id) => {
+        BridgeEvent::Heartbeat(boot_id) if next.armed.is_some_and(|armed| armed != *boot_id) => {
             Answer::Rejected(Reject::Boot)
         }
-        Event::Heartbeat(boot_id) => {
+        BridgeEvent::Heartbeat(boot_id) => {
             next.controllers.on_heartbeat(*boot_id, now);
             Answer::None
         }
-        Event::Setup(boot_id, setup) => {
+        BridgeEvent::Setup(boot_id, setup) => {
             next.controllers.on_setup(*boot_id, *setup, now);
             Answer::None
         }
-        Event::Published(seq) => {
+        BridgeEvent::Published(seq) => {
             next.published.note(*seq, now);
             Answer::None
         }
-        Event::End => {
+        BridgeEvent::End => {
             match next.bridge_state {
                 BridgeState::Running => next.leave(BridgeState::SafeStop, StopReason::End),
                 BridgeState::Armed => next.leave(BridgeState::Idle, StopReason::End),
@@ -89,11 +94,11 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now: MonoTime) ->
             }
             Answer::None
         }
-        Event::Order(order) => match next.on_order(rules, order, now) {
+        BridgeEvent::Order(order) => match next.on_order(rules, order, now) {
             Ok(()) => Answer::Accepted,
             Err(denied) => Answer::Denied(denied),
         },
-        Event::CarFailed => {
+        BridgeEvent::CarFailed => {
             next.leave(
                 if next.bridge_state == BridgeState::Estop {
                     BridgeState::Estop
@@ -104,11 +109,11 @@ pub fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now: MonoTime) ->
             );
             Answer::None
         }
-        Event::Tick => {
+        BridgeEvent::Tick => {
             next.on_tick(rules, now);
             Answer::None
         }
-        Event::Sent => {
+        BridgeEvent::Sent => {
             next.sent = Some(now);
             Answer::None
         }
@@ -137,7 +142,7 @@ impl Safety {
 
     /// Counts so far.
     #[must_use]
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> CommandCounts {
         self.counts
     }
 
@@ -219,12 +224,12 @@ impl Safety {
     }
 
     /// What time alone ends, before anything else is looked at.
-    fn expire(&mut self, rules: &Rules, event: &Event<'_>, now: MonoTime) {
+    fn expire(&mut self, rules: &Rules, event: &BridgeEvent<'_>, now: MonoTime) {
         if !matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running) {
             return;
         }
         let in_time =
-            |why: StopReason| why == StopReason::States && matches!(event, Event::State(..));
+            |why: StopReason| why == StopReason::States && matches!(event, BridgeEvent::State(..));
         let mut limits = self.limits(rules).into_iter();
         if let Some((_, why)) = limits.find(|(until, why)| now > *until && !in_time(*why)) {
             let to = if self.bridge_state == BridgeState::Armed {

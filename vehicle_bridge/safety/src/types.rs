@@ -71,7 +71,7 @@ pub enum InputSource {
 
 /// What happens to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event<'a> {
+pub enum BridgeEvent<'a> {
     /// The car's state in the track's frame, with its quality (2 good, 1 degraded, 0 bad).
     State(State, i8),
     /// A command that passed [`super::decode`].
@@ -112,7 +112,7 @@ pub enum Answer {
 /// What the car gets, and what there is to say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Output {
-    /// Input to apply from this event on, and what was asked; new with each [`Event::Tick`].
+    /// Input to apply from this event on, and what was asked; new with each [`BridgeEvent::Tick`].
     pub applied: Limited,
     /// Where it comes from.
     pub source: InputSource,
@@ -122,7 +122,7 @@ pub struct Output {
 
 /// Commands so far, by what became of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct CommandCounts {
     /// Believed. \[-\]
     pub ok: i64,
     /// Refused by number or sender, and heartbeats of another controller than the armed one. \[-\]

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use vehicle_model::Limited;
 
 use auth::Seal;
-use safety::{Finding, Reaction, Reject, StopReason};
-use transport::record::Log;
+use safety::{DoubtFinding, Reaction, Reject, StopReason};
+use transport::record::NetworkLog;
 
 /// What was not taken, last.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,19 +47,19 @@ pub(super) struct Account {
     /// Messages the network refused. \[-\]
     pub(super) unsent: u64,
     /// The worst doubt.
-    pub(super) doubt: Finding,
+    pub(super) doubt: DoubtFinding,
     /// The car moved on though the brake held it.
     pub(super) creeps: bool,
     /// Programs on the network that should not be there.
     pub(super) neighbours: Option<Arc<str>>,
     /// Behind the network.
-    pub(super) log: Option<Log>,
+    pub(super) log: Option<NetworkLog>,
     /// Why the relay gets no sign of life.
     pub(super) relay: Option<Arc<str>>,
     /// Before the network.
     pub(super) seal: Option<Seal>,
     /// A real car's messages.
-    pub(super) car: Option<mapping::Counts>,
+    pub(super) car: Option<mapping::CarMessageCounts>,
     /// Last refusal.
     pub(super) refused: Option<Refused>,
 }
@@ -89,7 +89,7 @@ impl fmt::Display for Account {
         if self.unsent > 0 {
             say(format_args!("{} messages could not be sent", self.unsent))?;
         }
-        if let Some(complaint) = self.log.as_ref().and_then(Log::complaint) {
+        if let Some(complaint) = self.log.as_ref().and_then(NetworkLog::complaint) {
             say(format_args!("{complaint}"))?;
         }
         if let Some(complaint) = self.seal.as_ref().and_then(Seal::complaint) {
@@ -99,7 +99,7 @@ impl fmt::Display for Account {
             say(format_args!("{relay}"))?;
         }
         if self.doubt.reaction() >= Reaction::Report {
-            let Finding { what, level } = self.doubt;
+            let DoubtFinding { what, level } = self.doubt;
             say(format_args!("doubt: {what} ({level:.1} of its limit)"))?;
         }
         if self.creeps {
@@ -137,8 +137,8 @@ mod tests {
             applied: Some(Limited { asked: Input::default(), sent: Input::default(), bits: 4 }),
             missed: 1,
             unsent: 2,
-            car: Some(mapping::Counts::default()),
-            doubt: Finding::default(),
+            car: Some(mapping::CarMessageCounts::default()),
+            doubt: DoubtFinding::default(),
             creeps: true,
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::Heartbeat(Reject::Boot)),

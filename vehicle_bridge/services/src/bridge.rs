@@ -18,9 +18,11 @@ use super::watchdog::Watchdog;
 use auth::Seal;
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher, random};
-use protocol::stream_filter::Counts;
-use safety::{Answer, Event, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode};
-use transport::record::Log;
+use protocol::stream_filter::StreamCounts;
+use safety::{
+    Answer, BridgeEvent, InputSource, Order, OrderKind, Output, Rules, Safety, Setup, decode,
+};
+use transport::record::NetworkLog;
 use transport::{Filter, Inbox, Received, Transport};
 
 /// Messages of each kind that may wait. \[-\]
@@ -28,7 +30,7 @@ pub(super) const WAITING: usize = 1024;
 
 /// How the bridge ran.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Bridged {
+pub struct BridgeSummary {
     /// Ticks. \[-\]
     pub ticks: u64,
     /// Ticks that never came, because the bridge was late. \[-\]
@@ -36,7 +38,7 @@ pub struct Bridged {
     /// Latest begin of a tick. \[s\]
     pub latest: f64,
     /// Commands.
-    pub commands: safety::Counts,
+    pub commands: safety::CommandCounts,
     /// Panics of the loop; each stops the car. \[-\]
     pub panics: u32,
     /// The car still moved when the bridge ended.
@@ -65,7 +67,7 @@ pub struct Bridge {
     /// Input of the last tick.
     pub(super) held: Input,
     pub(super) source: InputSource,
-    pub(super) bridged: Bridged,
+    pub(super) summary: BridgeSummary,
 }
 
 impl Bridge {
@@ -106,7 +108,7 @@ impl Bridge {
             watchdog: None,
             held: Input::default(),
             source: InputSource::None,
-            bridged: Bridged::default(),
+            summary: BridgeSummary::default(),
             rules,
             side,
             host,
@@ -136,7 +138,7 @@ impl Bridge {
 
     /// Tells in every heartbeat what the log behind the network loses.
     #[must_use]
-    pub fn with_log(self, log: Option<Log>) -> Self {
+    pub fn with_log(self, log: Option<NetworkLog>) -> Self {
         self.heartbeat.update(|health| health.detail.log = log);
         self
     }
@@ -156,7 +158,7 @@ impl Bridge {
 
     pub(super) fn fail(&mut self, why: &str) {
         self.refuse(Refused::Car(why.into()));
-        self.step(&Event::CarFailed);
+        self.step(&BridgeEvent::CarFailed);
     }
 
     fn refuse(&self, what: Refused) {
@@ -167,7 +169,7 @@ impl Bridge {
     pub(super) fn on_car_message(&mut self, received: &Received) {
         let Some(told) = self.side.hear(received) else { return };
         if told.is_new {
-            self.step(&Event::State(told.x, told.message.quality));
+            self.step(&BridgeEvent::State(told.x, told.message.quality));
         }
         self.publish_state(&VehicleState { h: self.states.header(), ..told.message });
     }
@@ -176,10 +178,10 @@ impl Bridge {
         // The network may be gone: the car is still there.
         let sent = self.states.send_sealed(state);
         self.unsent += u64::from(sent.is_err());
-        self.step(&Event::Published(state.h.number()));
+        self.step(&BridgeEvent::Published(state.h.number()));
     }
 
-    pub(super) fn step(&mut self, event: &Event<'_>) -> Output {
+    pub(super) fn step(&mut self, event: &BridgeEvent<'_>) -> Output {
         let now = transport::now().mono;
         let (next, output) = safety::step(&self.rules, &self.safety, event, now);
         self.safety = next;
@@ -189,7 +191,7 @@ impl Bridge {
     pub(super) fn on_command(&mut self, received: &Received) {
         let arrival = received.arrival.mono;
         let reject = match decode(&received.payload, arrival, &self.rules, &self.host) {
-            Ok(command) => match self.step(&Event::Command(&command)).answer {
+            Ok(command) => match self.step(&BridgeEvent::Command(&command)).answer {
                 Answer::Rejected(reject) => reject,
                 _ => return,
             },
@@ -207,7 +209,7 @@ impl Bridge {
                 if let Ok(m) = lcm_types::Setup::open(&received.payload) {
                     let lcm_types::Setup { track_id, car_id, config_id, period_ns, .. } = m;
                     let setup = Setup { track_id, car_id, config_id, period_ns };
-                    self.step(&Event::Setup(m.h.sender_start(), setup));
+                    self.step(&BridgeEvent::Setup(m.h.sender_start(), setup));
                 }
             }
             channels::STATE => {
@@ -222,7 +224,7 @@ impl Bridge {
                 }
                 self.neighbours.note(Role::Controller, &beat.h);
                 if let Answer::Rejected(reject) =
-                    self.step(&Event::Heartbeat(beat.h.sender_start())).answer
+                    self.step(&BridgeEvent::Heartbeat(beat.h.sender_start())).answer
                 {
                     self.refuse(Refused::Heartbeat(reject));
                 }
@@ -266,7 +268,12 @@ impl Bridge {
         };
         let (token, deadman) = (ArmToken::new(order.arm_token), order.deadman);
         let answer = self
-            .step(&Event::Order(Order { kind, token, deadman, fresh: ArmToken::new(random()) }))
+            .step(&BridgeEvent::Order(Order {
+                kind,
+                token,
+                deadman,
+                fresh: ArmToken::new(random()),
+            }))
             .answer;
         let detail = match answer {
             Answer::Denied(denied) => denied.to_string(),
@@ -298,9 +305,10 @@ impl Bridge {
         let sent = self.reports.send_sealed(&report);
         self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
-        let counts = Counts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
+        let counts =
+            StreamCounts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
         let (reason, missed, unsent) =
-            (self.safety.stop_reason(), self.bridged.missed, self.unsent);
+            (self.safety.stop_reason(), self.summary.missed, self.unsent);
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());

@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 use lcm_types::channels;
 
-use super::bridge::{Bridge, Bridged, WAITING};
+use super::bridge::{Bridge, BridgeSummary, WAITING};
 use super::watchdog::Watchdog;
 use hosting::shutdown::Shutdown;
-use safety::{BridgeState, Event, InputSource, StopReason};
+use safety::{BridgeEvent, BridgeState, InputSource, StopReason};
 
 /// Quality of a simulated car's states. \[-\]
 const GOOD: i8 = 2;
@@ -47,24 +47,24 @@ impl Bridge {
         &mut self,
         shutdown: &Shutdown,
         on_change: &mut dyn FnMut(BridgeState, StopReason),
-    ) -> Bridged {
+    ) -> BridgeSummary {
         let mut clock = Clock::new(self.safety.bridge_state());
         self.watchdog.iter().for_each(Watchdog::ready);
         while !shutdown.is_urgent() && !self.is_over(shutdown, &mut clock) {
             // The core's memory changes only with a whole event: it is sound after a panic.
             let beat = AssertUnwindSafe(|| self.beat(&mut clock, &mut *on_change));
             if catch_unwind(beat).is_err() {
-                self.bridged.panics += 1;
+                self.summary.panics += 1;
                 shutdown.request();
-                if self.bridged.panics >= PANICS {
+                if self.summary.panics >= PANICS {
                     break;
                 }
             }
         }
         self.unsent += u64::from(self.side.finish().is_err());
-        self.bridged.commands = self.safety.counts();
-        self.bridged.moving = !self.safety.stands(&self.rules, transport::now().mono);
-        self.bridged
+        self.summary.commands = self.safety.counts();
+        self.summary.moving = !self.safety.stands(&self.rules, transport::now().mono);
+        self.summary
     }
 
     /// Whether the bridge may end: it is asked to, and the car stands or has had time enough.
@@ -81,7 +81,7 @@ impl Bridge {
             self.watchdog.iter().for_each(Watchdog::ending);
         }
         let (begun, drove) = *clock.ending.get_or_insert((Instant::now(), drove));
-        self.step(&Event::End);
+        self.step(&BridgeEvent::End);
         let now = transport::now().mono;
         if stops(self.safety.bridge_state()) && !self.safety.stands(&self.rules, now) {
             clock.stood = None;
@@ -107,9 +107,9 @@ impl Bridge {
         let late = Instant::now().saturating_duration_since(clock.due);
         let missed = u32::try_from(late.as_nanos() / tick.as_nanos()).unwrap_or(u32::MAX - 1);
         clock.due += tick * missed;
-        self.bridged.ticks += 1;
-        self.bridged.missed += u64::from(missed);
-        self.bridged.latest = self.bridged.latest.max(late.as_secs_f64());
+        self.summary.ticks += 1;
+        self.summary.missed += u64::from(missed);
+        self.summary.latest = self.summary.latest.max(late.as_secs_f64());
         self.act(clock.due - clock.acted);
         clock.acted = clock.due;
         let state = self.safety.bridge_state();
@@ -183,15 +183,15 @@ impl Bridge {
         let measured = self.side.measure();
         let measured_at = transport::now().mono;
         if let Some(x) = measured {
-            self.step(&Event::State(x, GOOD));
+            self.step(&BridgeEvent::State(x, GOOD));
         }
-        let output = self.step(&Event::Tick);
+        let output = self.step(&BridgeEvent::Tick);
         (self.held, self.source) = (output.applied.sent, output.source);
         if let Err(error) = self.side.actuate(&output) {
             self.fail(&format!("the car cannot be commanded: {error}"));
         }
         self.publish_report(&output);
-        self.step(&Event::Sent);
+        self.step(&BridgeEvent::Sent);
         if let Some(x) = measured {
             let h = self.states.header();
             if let Some(state) = self.side.message(h, measured_at, &x, output.applied.sent) {

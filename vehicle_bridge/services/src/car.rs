@@ -48,7 +48,7 @@ pub struct CarOptions {
 
 /// How the drive went.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Drive {
+pub struct DriveSummary {
     /// Periods driven. \[-\]
     pub steps: u64,
     /// Lap times by interpolation between the periods, and whether the lap was on the track.
@@ -70,7 +70,7 @@ pub struct Drive {
 }
 
 /// The car.
-pub struct Car {
+pub struct SimulatedCar {
     options: CarOptions,
     vehicle: Box<dyn Vehicle>,
     commands: Inbox,
@@ -85,10 +85,10 @@ pub struct Car {
     source: i8,
     lap_start: f64,
     lap_clean: bool,
-    drive: Drive,
+    drive: DriveSummary,
 }
 
-impl Car {
+impl SimulatedCar {
     /// A vehicle as it stands, on a network.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Car {
             source: SOURCE_NONE,
             lap_start: 0.0,
             lap_clean: true,
-            drive: Drive::default(),
+            drive: DriveSummary::default(),
             options,
             vehicle,
             commands,
@@ -129,7 +129,7 @@ impl Car {
         &mut self,
         stop: &AtomicBool,
         on_lap: &mut dyn FnMut(usize, f64, bool),
-    ) -> Result<Drive> {
+    ) -> Result<DriveSummary> {
         let begin = Instant::now();
         let start = transport::now().mono;
         let base = if self.options.lock_step { MonoTime::default() } else { start };

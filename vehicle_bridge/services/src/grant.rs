@@ -14,7 +14,7 @@ const WAITING: usize = 64;
 
 /// A bridge as last heard.
 #[derive(Debug, Clone, PartialEq)]
-struct Bridge {
+struct HeardBridge {
     heard: Instant,
     boot_id: BootId,
     sender: String,
@@ -25,8 +25,8 @@ struct Bridge {
 /// The bridge heard first, as long as it is heard.
 pub struct Grant {
     inbox: Inbox,
-    bridge: Option<Bridge>,
-    other: Option<Bridge>,
+    bridge: Option<HeardBridge>,
+    other: Option<HeardBridge>,
 }
 
 impl Grant {
@@ -43,13 +43,13 @@ impl Grant {
 
     /// Takes in what came.
     pub fn update(&mut self) {
-        let is_heard = |bridge: &Bridge| bridge.heard.elapsed() < SILENCE;
+        let is_heard = |bridge: &HeardBridge| bridge.heard.elapsed() < SILENCE;
         for _ in 0..WAITING {
             let Some(received) = self.inbox.take() else { break };
             if let Ok(beat) = Heartbeat::decode(&received.payload) {
                 let (token, state) = (ArmToken::new(beat.arm_token), beat.state);
                 let (boot_id, sender) = (beat.h.sender_start(), beat.h.sender);
-                let bridge = Bridge { heard: Instant::now(), boot_id, sender, token, state };
+                let bridge = HeardBridge { heard: Instant::now(), boot_id, sender, token, state };
                 self.bridge = self.bridge.take().filter(is_heard);
                 let same = self.bridge.as_ref().is_none_or(|known| known.boot_id == boot_id);
                 *(if same { &mut self.bridge } else { &mut self.other }) = Some(bridge);

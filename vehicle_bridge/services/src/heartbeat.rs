@@ -10,7 +10,7 @@ use lcm_types::{ArmToken, Heartbeat, Setup, Track, channels};
 use hosting::memory::resident_mb;
 use hosting::worker::Worker;
 use protocol::publisher::{Identity, Publisher};
-use protocol::stream_filter::Counts;
+use protocol::stream_filter::StreamCounts;
 use transport::Transport;
 
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -23,7 +23,7 @@ pub struct Health<D = String> {
     /// One of the states of [`Heartbeat`].
     pub state: i8,
     /// Messages received and refused.
-    pub counts: Counts,
+    pub counts: StreamCounts,
     /// The grant in force, if any.
     pub arm_token: ArmToken,
     /// Text for people; formatted when it is sent.
@@ -32,7 +32,7 @@ pub struct Health<D = String> {
 
 /// Where and with what a controller drives.
 #[derive(Debug, Clone, Default)]
-pub struct Place {
+pub struct TrackAndSetup {
     /// The track, for `MAP/TRACK`.
     pub track: Track,
     /// The setup, for `LMPC/SETUP`.
@@ -46,7 +46,7 @@ pub struct HeartbeatSender<D = String> {
 }
 
 impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
-    /// Begins to send on `HB/<name>`, and `place`, if there is one, on `MAP/TRACK` and `LMPC/SETUP`.
+    /// Begins to send on `HB/<name>`, and `driven`, if there is one, on `MAP/TRACK` and `LMPC/SETUP`.
     ///
     /// # Errors
     /// If the thread cannot be started.
@@ -54,18 +54,18 @@ impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
         network: &Arc<dyn Transport>,
         identity: &Identity,
         name: &str,
-        place: Option<Place>,
+        driven: Option<TrackAndSetup>,
     ) -> std::io::Result<Self> {
         let health: Arc<Mutex<Health<D>>> = Arc::default();
         let publisher =
             Publisher::new(network, identity, &format!("{}{name}", channels::HEARTBEAT));
-        let place = place.map(|place| {
+        let driven = driven.map(|driven| {
             let publisher = |channel: &str| Publisher::new(network, identity, channel);
-            (publisher(channels::TRACK), publisher(channels::SETUP), place)
+            (publisher(channels::TRACK), publisher(channels::SETUP), driven)
         });
         let seen = Arc::clone(&health);
         let worker =
-            Worker::start("lmpc-heartbeat", move |stop| beat(publisher, place, &seen, stop))?;
+            Worker::start("lmpc-heartbeat", move |stop| beat(publisher, driven, &seen, stop))?;
         Ok(Self { health, _worker: worker })
     }
 
@@ -77,7 +77,7 @@ impl<D: Display + Clone + Default + Send + 'static> HeartbeatSender<D> {
 
 fn beat<D: Display + Clone>(
     mut publisher: Publisher,
-    mut place: Option<(Publisher, Publisher, Place)>,
+    mut driven: Option<(Publisher, Publisher, TrackAndSetup)>,
     health: &Mutex<Health<D>>,
     stop: &AtomicBool,
 ) {
@@ -111,11 +111,12 @@ fn beat<D: Display + Clone>(
         };
         // Errors are ignored: the receiver detects a missing heartbeat itself.
         let _ = publisher.send(&message);
-        if let Some((tracks, setups, place)) = place.as_mut().filter(|_| count % PLACE_EVERY == 0) {
-            (place.track.h, place.setup.h) = (tracks.header(), setups.header());
+        if let Some((tracks, setups, driven)) = driven.as_mut().filter(|_| count % PLACE_EVERY == 0)
+        {
+            (driven.track.h, driven.setup.h) = (tracks.header(), setups.header());
             // Sent again in a second.
-            let _ = tracks.send_sealed(&place.track);
-            let _ = setups.send_sealed(&place.setup);
+            let _ = tracks.send_sealed(&driven.track);
+            let _ = setups.send_sealed(&driven.setup);
         }
         due += INTERVAL;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, bail};
 use lcm_types::schema::Schema;
 
-use mapping::{MapFile, Mapping, Problem};
+use mapping::{MapFile, MapProblem, Mapping};
 
 /// Reads a map file and resolves it.
 ///
@@ -29,7 +29,7 @@ pub fn load(path: &Path) -> Result<Mapping> {
 ///
 /// # Errors
 /// Everything that is wrong.
-pub fn resolve(path: &Path, file: &MapFile, text: &str) -> Result<Mapping, Vec<Problem>> {
+pub fn resolve(path: &Path, file: &MapFile, text: &str) -> Result<Mapping, Vec<MapProblem>> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut sources = Vec::new();
     let mut problems = Vec::new();
@@ -39,7 +39,7 @@ pub fn resolve(path: &Path, file: &MapFile, text: &str) -> Result<Mapping, Vec<P
             Err(error) => {
                 let line = text.get(..name.span().start).map(|t| t.matches('\n').count() + 1);
                 let message = format!("types: cannot read `{}`: {error}", name.get_ref());
-                problems.push(Problem { line, message });
+                problems.push(MapProblem { line, message });
             }
         }
     }
@@ -48,6 +48,6 @@ pub fn resolve(path: &Path, file: &MapFile, text: &str) -> Result<Mapping, Vec<P
     }
     let borrowed: Vec<(&str, &str)> = sources.iter().map(|(n, t)| (*n, t.as_str())).collect();
     let schema = Schema::parse(&borrowed)
-        .map_err(|error| vec![Problem { line: None, message: error.to_string() }])?;
+        .map_err(|error| vec![MapProblem { line: None, message: error.to_string() }])?;
     Mapping::new(file, text, schema)
 }

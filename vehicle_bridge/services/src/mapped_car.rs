@@ -10,10 +10,10 @@ use lcm_types::{ActuationCommand, ActuationReport, BootId, channels};
 use vehicle_model::{CarParams, Input};
 
 use super::heartbeat::HeartbeatSender;
-use mapping::{Drive, Mapping};
+use mapping::{CarRequest, Mapping};
 use protocol::convert;
 use protocol::publisher::{Identity, Publisher};
-use protocol::stream_filter::{Accepted, Counts, StreamFilter};
+use protocol::stream_filter::{Accepted, StreamCounts, StreamFilter};
 use transport::{Filter, Inbox, Received, Transport};
 
 const SILENCE_NS: i64 = 1_000_000_000;
@@ -26,7 +26,7 @@ const LAST_WORDS: u32 = 3;
 
 /// What the bridge did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Bridged {
+pub struct MappedCarSummary {
     /// States published. \[-\]
     pub states: u64,
     /// Commands sent to the car. \[-\]
@@ -34,9 +34,9 @@ pub struct Bridged {
     /// Times the commands ended and the stop was sent. \[-\]
     pub stops: u64,
     /// What became of the controller's commands.
-    pub commands: Counts,
+    pub commands: StreamCounts,
     /// What became of the car's messages.
-    pub source: mapping::Counts,
+    pub source: mapping::CarMessageCounts,
 }
 
 /// Between the car's messages and ours.
@@ -48,7 +48,7 @@ pub struct MappedCar {
     car: CarParams,
     states: Publisher,
     reports: Publisher,
-    heartbeat: HeartbeatSender<mapping::Counts>,
+    heartbeat: HeartbeatSender<mapping::CarMessageCounts>,
     boot_id: BootId,
     /// Whether the car moves, by its last state.
     moves: bool,
@@ -59,7 +59,7 @@ pub struct MappedCar {
     source: i8,
     applied: Input,
     bytes: Vec<u8>,
-    bridged: Bridged,
+    summary: MappedCarSummary,
 }
 
 impl MappedCar {
@@ -87,7 +87,7 @@ impl MappedCar {
             source: ActuationReport::default().source,
             applied: Input::default(),
             bytes: Vec::new(),
-            bridged: Bridged::default(),
+            summary: MappedCarSummary::default(),
             mapping,
             inbox,
             car,
@@ -98,7 +98,7 @@ impl MappedCar {
     ///
     /// # Errors
     /// If the network refuses a message.
-    pub fn run(&mut self, stop: &AtomicBool) -> Result<Bridged> {
+    pub fn run(&mut self, stop: &AtomicBool) -> Result<MappedCarSummary> {
         let run = catch_unwind(AssertUnwindSafe(|| self.obey_until(stop)));
         self.command = None;
         let ends = (0..LAST_WORDS).map(|_| self.actuate(Instant::now()));
@@ -110,9 +110,9 @@ impl MappedCar {
             Ok(run) => run.and(stopped)?,
             Err(_) => bail!("the program panicked (see above); the car was sent its stop values"),
         }
-        self.bridged.commands = self.filter.counts;
-        self.bridged.source = self.mapping.counts();
-        Ok(self.bridged)
+        self.summary.commands = self.filter.counts;
+        self.summary.source = self.mapping.counts();
+        Ok(self.summary)
     }
 
     fn obey_until(&mut self, stop: &AtomicBool) -> Result<()> {
@@ -154,7 +154,7 @@ impl MappedCar {
             self.moves = state.vx.hypot(state.vy) >= STILL;
             state.h = self.states.header();
             self.states.send_sealed(&state)?;
-            self.bridged.states += 1;
+            self.summary.states += 1;
         }
         Ok(())
     }
@@ -194,16 +194,16 @@ impl MappedCar {
             let planned = age > 1.25 * f64::from(command.plan_dt);
             self.source = if input.is_none() { 3 } else { 1 + i8::from(planned) };
         }
-        self.bridged.stops += u64::from(running && input.is_none());
+        self.summary.stops += u64::from(running && input.is_none());
         let input = input.map(|u| Input {
             a: u.a.clamp(self.car.a_min, self.car.a_max),
             delta: u.delta.clamp(-self.car.delta_max, self.car.delta_max),
         });
         let answers_ns = self.command.as_ref().map(|(command, _)| command.state_mono_ns);
-        let drive = Drive { input, answers_ns, utime: transport::now().utime };
-        self.mapping.command(&drive, &mut self.bytes)?;
+        let request = CarRequest { input, answers_ns, utime: transport::now().utime };
+        self.mapping.command(&request, &mut self.bytes)?;
         self.network.publish(self.mapping.command_channel(), &self.bytes)?;
-        self.bridged.sent += 1;
+        self.summary.sent += 1;
         self.applied = input.unwrap_or(Input { a: self.car.a_min, ..self.applied });
         self.publish_report()
     }

@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 
 /// An answer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answered {
+pub struct OperatorAnswer {
     /// `bridge` or `lmpc`.
     pub who: String,
     /// The answer.
@@ -35,11 +35,11 @@ pub struct Answered {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Held {
     /// The START was refused by somebody.
-    Refused(Vec<Answered>),
+    Refused(Vec<OperatorAnswer>),
     /// It was let go, and these answered the STOP.
-    Released(Vec<Answered>),
+    Released(Vec<OperatorAnswer>),
     /// The bridge stopped by itself, and says so.
-    Ended(Answered),
+    Ended(OperatorAnswer),
 }
 
 /// An operator at the network: one start of a program.
@@ -98,7 +98,12 @@ impl Operator {
     }
 
     /// The answers to an order that come until `deadline`.
-    fn listen(&mut self, deadline: Instant, request_id: i64, heard: &mut dyn FnMut(Answered)) {
+    fn listen(
+        &mut self,
+        deadline: Instant,
+        request_id: i64,
+        heard: &mut dyn FnMut(OperatorAnswer),
+    ) {
         while let Some(received) = self.inbox.wait_until(deadline) {
             if received.channel == self.bridge_channel {
                 if let Ok(beat) = Heartbeat::decode(&received.payload) {
@@ -112,7 +117,7 @@ impl Operator {
             } else if let Ok(ack) = OperatorAck::decode(&received.payload) {
                 let who = ack.h.sender.split('@').next().unwrap_or_default().to_owned();
                 if ack.request_id == request_id {
-                    heard(Answered { who, ack });
+                    heard(OperatorAnswer { who, ack });
                 }
             }
         }
@@ -123,7 +128,7 @@ impl Operator {
     ///
     /// # Errors
     /// If there is no answer, the network refuses it, or ARM or START would reach two bridges.
-    pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<Answered>> {
+    pub fn give(&mut self, order: &mut OperatorCommand) -> Result<Vec<OperatorAnswer>> {
         order.request_id = random();
         if matches!(order.command, OperatorCommand::ARM | OperatorCommand::START) {
             self.listen(self.begun + LOOK, 0, &mut |_| {});
@@ -139,7 +144,7 @@ impl Operator {
         let for_bridge = matches!(order.command, OperatorCommand::ARM | OperatorCommand::DISARM);
         let needs_token = order.command == OperatorCommand::START && order.arm_token == 0;
         let mut next = begun;
-        let mut acks: Vec<Answered> = Vec::new();
+        let mut acks: Vec<OperatorAnswer> = Vec::new();
         while begun.elapsed() < PATIENCE {
             let looked = self.begun.elapsed() > LOOK;
             if needs_token && let Some(token) = self.bridge {
@@ -163,7 +168,7 @@ impl Operator {
                 break;
             }
             // A refusal is final, and an emergency stop that the bridge heard has happened.
-            let settled = |a: &Answered| a.who == "bridge" && (estop || !a.ack.accepted);
+            let settled = |a: &OperatorAnswer| a.who == "bridge" && (estop || !a.ack.accepted);
             if acks.iter().any(settled) {
                 break;
             }
@@ -187,7 +192,7 @@ impl Operator {
         &mut self,
         mut start: OperatorCommand,
         release: &AtomicBool,
-        begun: &mut dyn FnMut(&[Answered]) -> Result<()>,
+        begun: &mut dyn FnMut(&[OperatorAnswer]) -> Result<()>,
     ) -> Result<Held> {
         self.listen(self.begun + LOOK, 0, &mut |_| {});
         if self.bridge.is_none() {
@@ -216,7 +221,7 @@ impl Operator {
         Ok(Held::Released(self.stop(&start)?))
     }
 
-    fn stop(&mut self, start: &OperatorCommand) -> Result<Vec<Answered>> {
+    fn stop(&mut self, start: &OperatorCommand) -> Result<Vec<OperatorAnswer>> {
         let command = OperatorCommand::STOP;
         let reason = "dead man's switch released".to_owned();
         let arm_token = start.arm_token;

@@ -5,7 +5,7 @@ use std::io::{Read, Seek};
 
 use anyhow::Result;
 use controller::Controller;
-use lcm_types::eventlog::{Damage, Reader};
+use lcm_types::eventlog::{Damage, EventReader};
 use lcm_types::{
     ActuationCommand, BootId, Checked as _, Message as _, OperatorAck, OperatorCommand, SeqNumber,
     VehicleState, channels,
@@ -61,7 +61,7 @@ pub fn replay(mut log: impl Read + Seek, controller: &mut Controller) -> Result<
         found: Replay { unreadable, ..Replay::default() },
         controller,
     };
-    let mut events = Reader::new(log);
+    let mut events = EventReader::new(log);
     for event in events.by_ref() {
         let event = event?;
         match event.channel.as_str() {
@@ -96,7 +96,7 @@ type States = BTreeMap<(BootId, SeqNumber), VehicleState>;
 /// All states of a log, and how many of their messages could not be read.
 fn states(log: impl Read) -> Result<(States, u64)> {
     let (mut states, mut unreadable) = (States::new(), 0);
-    for event in Reader::new(log) {
+    for event in EventReader::new(log) {
         let event = event?;
         if event.channel != channels::STATE {
             continue;

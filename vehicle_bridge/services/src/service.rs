@@ -13,18 +13,18 @@ use vehicle_model::Input;
 
 use super::deadline_monitor::{DeadlineMonitor, Overrun};
 use super::grant::Grant;
-use super::heartbeat::{HeartbeatSender, Place};
+use super::heartbeat::{HeartbeatSender, TrackAndSetup};
 use super::operator::{self, Authority};
 use super::schedule::Schedule;
-use super::store::Store;
+use super::store::LearnedDataStore;
 use auth::Seal;
 use hosting::timing::Stopwatch;
-use protocol::convert::{self, Answered, CommandDraft};
+use protocol::convert::{self, AnsweredState, CommandDraft};
 use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher};
 use protocol::stream_filter::{Accepted, StreamFilter};
-use protocol::telemetry::{self, LapSeen, Step};
-use transport::record::Log;
+use protocol::telemetry::{self, HostTelemetry, LapSeen};
+use transport::record::NetworkLog;
 use transport::{Filter, Inbox, Received, Transport};
 
 /// A silence this long lets another sender of states in. \[s\]
@@ -48,7 +48,7 @@ pub struct ServiceOptions {
     /// What the bridge compares before it arms this controller.
     pub setup: lcm_types::Setup,
     /// The log behind the network; what it loses is in every heartbeat too.
-    pub log: Option<Log>,
+    pub log: Option<NetworkLog>,
     /// The key before the network; what it refused is in every heartbeat too.
     pub seal: Option<Seal>,
     /// For the bench: steps that take longer.
@@ -62,7 +62,7 @@ pub type OnLap<'a> = &'a mut dyn FnMut(&controller::LapResult, &LapSeen);
 pub struct Service {
     options: ServiceOptions,
     controller: Controller,
-    store: Option<Store>,
+    store: Option<LearnedDataStore>,
     states: Inbox,
     orders: Inbox,
     filter: StreamFilter,
@@ -86,7 +86,7 @@ pub struct Service {
 /// The last step.
 #[derive(Debug, Clone, Copy)]
 struct Last {
-    answered: Answered,
+    answered: AnsweredState,
     input: Input,
     speed: f64,
     arrival: MonoTime,
@@ -104,7 +104,7 @@ impl Service {
     pub fn new(
         options: ServiceOptions,
         controller: Controller,
-        store: Option<Store>,
+        store: Option<LearnedDataStore>,
         network: &Arc<dyn Transport>,
     ) -> Result<Self> {
         let identity = Identity::new("lmpc");
@@ -118,7 +118,7 @@ impl Service {
             (convert::nanoseconds(options.valid_for), convert::nanoseconds(SILENCE));
         let name = if options.dry_run { channels::COMMAND_DRY } else { channels::COMMAND };
         let track = telemetry::track_message(controller.track());
-        let place = Place { track, setup: options.setup.clone() };
+        let driven = TrackAndSetup { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         let seen = LapSeen::new(controller.car(), key);
         Ok(Self {
@@ -130,7 +130,7 @@ impl Service {
             laps: publisher(channels::LAP),
             acks: publisher(channels::OPERATOR_ACK),
             grant,
-            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(place))?,
+            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(driven))?,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
             seen,
@@ -222,12 +222,12 @@ impl Service {
 
     fn remember(&mut self, state: &VehicleState, arrival: MonoTime) {
         let input = self.last.map(|last| last.input).unwrap_or_default();
-        let (answered, speed) = (Answered::of(state), state.vx);
+        let (answered, speed) = (AnsweredState::of(state), state.vx);
         self.last = Some(Last { answered, input, speed, arrival, cut: true, stepped: false });
     }
 
     fn drive(&mut self, state: &VehicleState, arrival: MonoTime, on_lap: OnLap<'_>) {
-        let answered = Answered::of(state);
+        let answered = AnsweredState::of(state);
         if self.last.is_some_and(|last| {
             last.stepped
                 && last.answered.boot_id == answered.boot_id
@@ -260,10 +260,10 @@ impl Service {
         let total = elapsed();
         self.deadlines.longest = self.deadlines.longest.max(total);
         let (state_seq, overruns) = (answered.seq, self.deadlines.overruns);
-        self.publish_step(&command, &Step { state_seq, time, total, overruns }, on_lap);
+        self.publish_step(&command, &HostTelemetry { state_seq, time, total, overruns }, on_lap);
     }
 
-    fn publish_command(&mut self, answered: Answered, mode: i8) {
+    fn publish_command(&mut self, answered: AnsweredState, mode: i8) {
         let input = self.last.map(|last| last.input).unwrap_or_default();
         let drives = mode == ActuationCommand::MODE_DRIVE;
         let cut = self.last.is_some_and(|last| last.cut);
@@ -289,7 +289,7 @@ impl Service {
     }
 
     /// After the command: telemetry, the end of a lap, and what can be prepared.
-    fn publish_step(&mut self, command: &Command, step: &Step, on_lap: OnLap<'_>) {
+    fn publish_step(&mut self, command: &Command, step: &HostTelemetry, on_lap: OnLap<'_>) {
         let h = self.telemetry.header();
         let message = telemetry::step_message(h, &self.controller, command, step);
         let sent = self.telemetry.send(&message);
@@ -364,7 +364,7 @@ impl Service {
     }
 
     fn update_heartbeat(&mut self) {
-        if let Some(outcome) = self.store.as_ref().and_then(Store::outcome) {
+        if let Some(outcome) = self.store.as_ref().and_then(LearnedDataStore::outcome) {
             self.save_error = outcome;
         }
         let (state, counts) = (self.authority.state, self.filter.counts);
@@ -376,7 +376,7 @@ impl Service {
         }
         detail.extend(self.save_error.clone());
         detail.extend(self.grant.complaint());
-        detail.extend(self.options.log.as_ref().and_then(Log::complaint));
+        detail.extend(self.options.log.as_ref().and_then(NetworkLog::complaint));
         detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
         self.heartbeat.update(|health| {
             health.state = state;

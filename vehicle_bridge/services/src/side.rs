@@ -8,7 +8,7 @@ use controller::Pose;
 use lcm_types::{Header, LapIndex, MonoTime, VehicleState};
 use vehicle_model::{Input, State, Track};
 
-use mapping::{Drive, Mapping};
+use mapping::{CarRequest, Mapping};
 use protocol::convert;
 use safety::{InputSource, Output};
 use transport::{Received, Transport};
@@ -163,7 +163,7 @@ impl CarSide {
 
     /// What became of a real car's messages.
     #[must_use]
-    pub fn counts(&self) -> Option<mapping::Counts> {
+    pub fn counts(&self) -> Option<mapping::CarMessageCounts> {
         let Self::Mapped(car) = self else { return None };
         Some(car.mapping.counts())
     }
@@ -183,8 +183,9 @@ impl SteppedSide {
 
 impl MappedSide {
     fn tell(&mut self, input: Option<Input>) -> Result<()> {
-        let drive = Drive { input, answers_ns: self.measured_ns, utime: transport::now().utime };
-        self.mapping.command(&drive, &mut self.bytes)?;
+        let request =
+            CarRequest { input, answers_ns: self.measured_ns, utime: transport::now().utime };
+        self.mapping.command(&request, &mut self.bytes)?;
         Ok(self.network.publish(self.mapping.command_channel(), &self.bytes)?)
     }
 }

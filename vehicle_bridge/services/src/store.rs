@@ -14,14 +14,14 @@ use hosting::learned::{self, write};
 const RETRY: Duration = Duration::from_secs(1);
 
 /// The writing thread.
-pub struct Store {
+pub struct LearnedDataStore {
     path: PathBuf,
     queue: Option<Sender<Learned>>,
     outcomes: Receiver<Option<String>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Store {
+impl LearnedDataStore {
     /// Loads what an earlier start has learned, if there is such a file, and saves there.
     ///
     /// A file that is damaged is not loaded; then the one before it is, with a warning.
@@ -70,7 +70,7 @@ impl Store {
     }
 }
 
-impl Drop for Store {
+impl Drop for LearnedDataStore {
     /// Waits for what is still to be written.
     fn drop(&mut self) {
         self.queue = None;

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
 use lcm_types::{ActuationCommand, ArmToken, BootId, Checked as _, Header, MonoTime, SeqNumber};
-use protocol::convert::{Answered, CommandDraft};
+use protocol::convert::{AnsweredState, CommandDraft};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
-use safety::{Answer, BridgeState, Event, OrderKind, Rules, Safety, decode, step};
+use safety::{Answer, BridgeEvent, BridgeState, OrderKind, Rules, Safety, decode, step};
 use services::operator::{capped, plan_cap};
 use vehicle_model::{CarParams, Input, Limit, Plant, PlantParams, SensorNoise, State, Track};
 
@@ -84,7 +84,7 @@ struct Bridge {
 }
 
 impl Bridge {
-    fn on(&mut self, event: &Event<'_>, at_ms: i64) -> safety::Output {
+    fn on(&mut self, event: &BridgeEvent<'_>, at_ms: i64) -> safety::Output {
         let (next, output) = step(&self.rules, &self.safety, event, MonoTime::from_ns(at_ms * MS));
         self.safety = next;
         output
@@ -92,7 +92,7 @@ impl Bridge {
 
     fn order(&mut self, kind: OrderKind, at_ms: i64) {
         let order = safety::Order { kind, token: TOKEN, deadman: false, fresh: TOKEN };
-        assert_eq!(self.on(&Event::Order(order), at_ms).answer, Answer::Accepted, "{kind:?}");
+        assert_eq!(self.on(&BridgeEvent::Order(order), at_ms).answer, Answer::Accepted, "{kind:?}");
     }
 }
 
@@ -134,13 +134,13 @@ fn drive(seed: u64) -> Seen {
     // A second of good states, then ARM and START.
     let begin_ms = 2_000;
     for at_ms in (begin_ms - 1_100..begin_ms).step_by(TICK_MS as usize) {
-        bridge.on(&Event::State(plant.measure(), 2), at_ms);
-        bridge.on(&Event::Published(SeqNumber::new(at_ms)), at_ms);
-        bridge.on(&Event::Tick, at_ms);
+        bridge.on(&BridgeEvent::State(plant.measure(), 2), at_ms);
+        bridge.on(&BridgeEvent::Published(SeqNumber::new(at_ms)), at_ms);
+        bridge.on(&BridgeEvent::Tick, at_ms);
     }
-    bridge.on(&Event::Heartbeat(CONTROLLER), begin_ms);
+    bridge.on(&BridgeEvent::Heartbeat(CONTROLLER), begin_ms);
     let setup = bridge.rules.setup;
-    bridge.on(&Event::Setup(CONTROLLER, setup), begin_ms);
+    bridge.on(&BridgeEvent::Setup(CONTROLLER, setup), begin_ms);
     bridge.order(OrderKind::Arm { moving: false, controller: BootId::NONE }, begin_ms);
     bridge.order(OrderKind::Start, begin_ms);
 
@@ -156,8 +156,8 @@ fn drive(seed: u64) -> Seen {
             || format!("seed {seed}, {} on {}, {since_ms} ms", case.car.name, case.track.name());
         let tick = at_ms % TICK_MS == 0;
         if tick {
-            bridge.on(&Event::State(plant.measure(), 2), at_ms);
-            bridge.on(&Event::Published(SeqNumber::new(at_ms)), at_ms);
+            bridge.on(&BridgeEvent::State(plant.measure(), 2), at_ms);
+            bridge.on(&BridgeEvent::Published(SeqNumber::new(at_ms)), at_ms);
         }
         let cap = case.cap.filter(|_| since_ms >= LENGTH_MS / 3);
         if since_ms == LENGTH_MS / 3
@@ -176,7 +176,11 @@ fn drive(seed: u64) -> Seen {
             wanted = Some(command.input);
             let input = capped(command.input, last, x.v_x, cap, &controller);
             let order = CommandDraft {
-                answered: Answered { boot_id: BRIDGE, seq: SeqNumber::new(at_ms), measured: at },
+                answered: AnsweredState {
+                    boot_id: BRIDGE,
+                    seq: SeqNumber::new(at_ms),
+                    measured: at,
+                },
                 mode: ActuationCommand::MODE_DRIVE,
                 input,
                 plan: (input == command.input).then(|| controller.plan()),
@@ -193,12 +197,12 @@ fn drive(seed: u64) -> Seen {
         }
         if let Some((_, bytes, (sent_ms, input))) = under_way.take_if(|(due, ..)| *due <= at_ms) {
             let command = decode(&bytes, at, &bridge.rules, "elsewhere").unwrap();
-            let answer = bridge.on(&Event::Command(&command), at_ms).answer;
+            let answer = bridge.on(&BridgeEvent::Command(&command), at_ms).answer;
             assert_eq!(answer, Answer::Accepted, "{}: {input:?}", context());
             in_force = (sent_ms - begin_ms >= known_from_ms).then_some((at_ms, input));
         }
         if tick {
-            let output = bridge.on(&Event::Tick, at_ms);
+            let output = bridge.on(&BridgeEvent::Tick, at_ms);
             assert_eq!(
                 bridge.safety.bridge_state(),
                 BridgeState::Running,

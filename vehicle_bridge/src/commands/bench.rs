@@ -7,7 +7,7 @@ use anyhow::Result;
 use super::{Outcome, folders};
 use command_line::BenchArgs;
 use hosting::problem_file;
-use step_timing::{CaseTimes, Plan, cases, compare, compared_text, measure, text};
+use step_timing::{CaseTimes, TimingPlan, cases, compare, compared_text, measure, text};
 use terminal::{Talk, result};
 
 /// Measures and prints case after case.
@@ -17,7 +17,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<Outcome> {
     }
     args.dump_qp.as_deref().map_or(Ok(()), folders::results)?;
     let laps = args.laps.iter().map(|laps| *laps as usize).collect();
-    let plan = Plan { steps: args.steps as usize, laps, initial: args.initial as usize };
+    let plan = TimingPlan { steps: args.steps as usize, laps, initial: args.initial as usize };
     let mut all = Vec::new();
     for (i, case) in (0..).zip(cases()?) {
         if args.case.is_some_and(|only| only != i) {

@@ -12,7 +12,8 @@ use command_line::{CampaignArgs, MergeArgs};
 use hosting::parallel::{parallel, threads};
 use hosting::settings::Usage;
 use studies::campaign::{
-    Campaign, Case, Columns, Row, Rows, Sheet, by_axis, drive, merge as merge_shards, script,
+    Campaign, CampaignCase, CampaignColumns, CampaignRow, Rows, Sheet, by_axis, drive,
+    merge as merge_shards, script,
 };
 use terminal::progress::Progress;
 use terminal::{BAD, GOOD, Talk, WARN, paint, result};
@@ -38,8 +39,8 @@ pub(super) fn run(args: &CampaignArgs, talk: Talk) -> Result<Outcome> {
     if args.slurm {
         return slurm(args, file, &root, campaign.cases.len());
     }
-    let own = |case: &&Case| args.shard.is_none_or(|shard| shard.has(case.number));
-    let cases: Vec<&Case> = campaign.cases.iter().filter(own).collect();
+    let own = |case: &&CampaignCase| args.shard.is_none_or(|shard| shard.has(case.number));
+    let cases: Vec<&CampaignCase> = campaign.cases.iter().filter(own).collect();
     if args.list {
         result(campaign.list(&cases)?.trim_end())?;
         return Ok(Outcome::Done);
@@ -47,7 +48,7 @@ pub(super) fn run(args: &CampaignArgs, talk: Talk) -> Result<Outcome> {
     let out = args.shard.map_or(root.clone(), |shard| shard.folder(&root));
     let mut rows = Rows::open(&out, &campaign, &cases, args.fresh)?;
     let done = rows.done();
-    let missing: Vec<&Case> =
+    let missing: Vec<&CampaignCase> =
         cases.iter().copied().filter(|case| !done.contains(&case.number)).collect();
     let part = args.shard.map_or(String::new(), |s| format!(" of shard {}/{}", s.part, s.of));
     talk.say(&format!(
@@ -67,7 +68,7 @@ pub(super) fn run(args: &CampaignArgs, talk: Talk) -> Result<Outcome> {
 /// Drives the cases; failures are shown as they come.
 fn race(
     campaign: &Campaign,
-    cases: &[&Case],
+    cases: &[&CampaignCase],
     args: &CampaignArgs,
     rows: &mut Rows,
     talk: Talk,
@@ -80,7 +81,7 @@ fn race(
         cases,
         threads(args.jobs),
         |case| drive(campaign, &columns, case),
-        |i, row: Row| -> Result<()> {
+        |i, row: CampaignRow| -> Result<()> {
             let complaint = complaint(&columns, &row);
             progress.done(&cases[i].title(&campaign.axes), complaint.as_deref());
             rows.add(row)
@@ -91,7 +92,7 @@ fn race(
 }
 
 /// What is wrong with a run.
-fn complaint(columns: &Columns, row: &Row) -> Option<String> {
+fn complaint(columns: &CampaignColumns, row: &CampaignRow) -> Option<String> {
     let limits = row.get(columns, "limits");
     if !row.get(columns, "failure").is_empty() {
         return Some(row.get(columns, "fail_message").to_owned());
@@ -121,8 +122,8 @@ pub(super) fn merge(args: &MergeArgs) -> Result<Outcome> {
 /// Says what came of the runs, and how the program ends.
 fn conclude(
     sheet: &Sheet,
-    columns: &Columns,
-    rows: &[Row],
+    columns: &CampaignColumns,
+    rows: &[CampaignRow],
     out: &Path,
     missing: &[usize],
     as_json: bool,

@@ -12,9 +12,9 @@ use vehicle_model::{CarParams, Track};
 use super::Outcome;
 use super::config::{DIGITS, row};
 use command_line::CheckArgs;
-use file_check::{Checked, Kind, check_file};
+use file_check::{CheckedFile, FileKind, check_file};
 use hosting::load;
-use hosting::settings::{Layers, Origin, Setting};
+use hosting::settings::{Layers, Setting, SettingOrigin};
 use terminal::{BAD, GOOD, SOFT, paint, result};
 
 /// Greatest width of a line of settings.
@@ -22,9 +22,9 @@ const WIDTH: usize = 96;
 
 /// A checked file with the settings derived from it.
 #[derive(Serialize)]
-struct Report {
+struct CheckReport {
     #[serde(flatten)]
-    checked: Checked,
+    checked: CheckedFile,
     /// Every setting of the controller; empty for files that set none.
     settings: Vec<Json>,
     /// Those settings as text.
@@ -34,13 +34,13 @@ struct Report {
 
 /// Checks every file and prints what was found.
 pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
-    let reports: Vec<Report> =
+    let reports: Vec<CheckReport> =
         args.files.iter().map(|file| report(file, args)).collect::<Result<_>>()?;
     let bad = reports.iter().any(|report| !report.checked.problems.is_empty());
     if args.json {
         terminal::json(&reports)?;
     } else {
-        for Report { checked: file, lines, .. } in &reports {
+        for CheckReport { checked: file, lines, .. } in &reports {
             let (name, kind) = (&file.file, file.kind);
             match file.problems.len() {
                 0 => result(&format!("{name}: {kind}, {}", paint(GOOD, "no problems")))?,
@@ -58,18 +58,18 @@ pub(super) fn run(args: &CheckArgs) -> Result<Outcome> {
     Ok(if bad { Outcome::Problems } else { Outcome::Done })
 }
 
-fn report(path: &Path, args: &CheckArgs) -> Result<Report> {
+fn report(path: &Path, args: &CheckArgs) -> Result<CheckReport> {
     let checked = check_file(path);
-    let mut report = Report { checked, settings: Vec::new(), lines: Vec::new() };
+    let mut report = CheckReport { checked, settings: Vec::new(), lines: Vec::new() };
     if !report.checked.problems.is_empty() {
         return Ok(report);
     }
     let mut layers = Layers::default();
     let (name, car) = match (report.checked.kind, args.car.as_deref()) {
-        (Kind::Car, _) => {
+        (FileKind::Car, _) => {
             (path.display().to_string(), CarParams::from_toml(&fs::read_to_string(path)?)?)
         }
-        (Kind::Configuration, name) => {
+        (FileKind::Configuration, name) => {
             layers.file(path)?;
             let name = name.unwrap_or(racing::SMALL_CAR);
             (name.to_owned(), racing::nominal(name, load::car(name)?, None)?)
@@ -101,7 +101,7 @@ fn by_origin(settings: &[Setting<'_>]) -> Vec<String> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     let mut preset = 0;
     for Setting { key, value, origin } in settings {
-        if matches!(origin, Origin::Preset(_)) {
+        if matches!(origin, SettingOrigin::Preset(_)) {
             preset += 1;
             continue;
         }

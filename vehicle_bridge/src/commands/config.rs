@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 use anyhow::{Result, bail};
 use comfy_table::{Table, presets};
 use controller::config::SECTIONS;
-use controller::config::keys::{Choice, Key, Kind, Value};
+use controller::config::keys::{Choice, ConfigKey, ConfigValue, ValueKind};
 use serde_json::{Value as Json, json};
 
 use super::{Outcome, config_schema, setup};
 use command_line::{ConfigArgs, ControllerArgs};
 use hosting::load;
-use hosting::settings::{Origin, Setting, Usage};
+use hosting::settings::{Setting, SettingOrigin, Usage};
 use terminal::{SOFT, paint, result};
 
 /// Significant digits of a value in the table.
@@ -51,7 +51,7 @@ pub(super) fn run(args: &ConfigArgs) -> Result<Outcome> {
 
 /// Keeps the sections and keys asked for.
 fn choose(settings: &mut Vec<Setting<'_>>, wanted: &[String]) -> Result<()> {
-    let is = |key: &Key, name: &str| key.section == name || key.dotted() == name;
+    let is = |key: &ConfigKey, name: &str| key.section == name || key.dotted() == name;
     for name in wanted {
         if !settings.iter().any(|setting| is(setting.key, name)) {
             let sections: Vec<&str> = SECTIONS.iter().map(|section| section.name).collect();
@@ -92,7 +92,7 @@ fn toml(head: &str, preset: &str, settings: &[Setting<'_>]) -> String {
 }
 
 /// Meaning and unit of a key.
-pub(super) fn meaning(key: &Key) -> String {
+pub(super) fn meaning(key: &ConfigKey) -> String {
     let mut text = key.meaning().to_owned();
     if !key.unit.is_empty() {
         let _ = write!(text, " [{}]", key.unit);
@@ -101,15 +101,17 @@ pub(super) fn meaning(key: &Key) -> String {
 }
 
 /// Meaning, unit, allowed values and origin of a key, in one line.
-fn describe(key: &Key, origin: &Origin) -> String {
+fn describe(key: &ConfigKey, origin: &SettingOrigin) -> String {
     let mut text = meaning(key);
     let _ = match (key.range, key.kind) {
         (Some([least, most]), _) => write!(text, " {least} to {most}."),
-        (None, Kind::Choice(choices)) => write!(text, " {}.", words(choices).join(", ")),
+        (None, ValueKind::Choice(choices)) => write!(text, " {}.", words(choices).join(", ")),
         (None, _) => Ok(()),
     };
     let _ = match origin {
-        Origin::Car(rule) | Origin::CarAndTrack(rule) => write!(text, " From {origin}: {rule}."),
+        SettingOrigin::Car(rule) | SettingOrigin::CarAndTrack(rule) => {
+            write!(text, " From {origin}: {rule}.")
+        }
         _ => write!(text, " From {origin}."),
     };
     text
@@ -124,19 +126,19 @@ pub(super) fn words(choices: &[Choice]) -> Vec<&'static str> {
 pub(super) fn row(setting: &Setting<'_>) -> Json {
     let Setting { key, value, origin } = setting;
     let value = match value {
-        Value::Count(count) => json!(count),
-        Value::Number(number) => json!(number),
-        Value::Switch(on) => json!(on),
-        Value::Word(word) => json!(word),
-        Value::Numbers(numbers) => json!(numbers),
+        ConfigValue::Count(count) => json!(count),
+        ConfigValue::Number(number) => json!(number),
+        ConfigValue::Switch(on) => json!(on),
+        ConfigValue::Word(word) => json!(word),
+        ConfigValue::Numbers(numbers) => json!(numbers),
     };
     let (choices, entries) = match key.kind {
-        Kind::Choice(choices) => (Some(words(choices)), None),
-        Kind::Numbers(labels) => (None, Some(labels)),
-        Kind::Count | Kind::Number | Kind::Switch => (None, None),
+        ValueKind::Choice(choices) => (Some(words(choices)), None),
+        ValueKind::Numbers(labels) => (None, Some(labels)),
+        ValueKind::Count | ValueKind::Number | ValueKind::Switch => (None, None),
     };
     let rule = match origin {
-        Origin::Car(rule) | Origin::CarAndTrack(rule) => Some(rule),
+        SettingOrigin::Car(rule) | SettingOrigin::CarAndTrack(rule) => Some(rule),
         _ => None,
     };
     json!({

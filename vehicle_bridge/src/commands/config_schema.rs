@@ -2,7 +2,7 @@
 
 use controller::Preset;
 use controller::config::SECTIONS;
-use controller::config::keys::{Choice, Derivation, Key, Kind};
+use controller::config::keys::{Choice, ConfigKey, Derivation, ValueKind};
 use serde_json::{Map, Value as Json, json};
 
 use super::config::{meaning, words};
@@ -29,7 +29,7 @@ pub(super) fn schema() -> Json {
     })
 }
 
-fn of_key(key: &Key) -> Json {
+fn of_key(key: &ConfigKey) -> Json {
     let mut description = meaning(key);
     match key.derivation {
         Derivation::Preset => {}
@@ -48,19 +48,19 @@ fn of_key(key: &Key) -> Json {
         Json::Object(std::mem::take(&mut number))
     };
     let mut schema = match key.kind {
-        Kind::Count => typed("integer"),
-        Kind::Number => typed("number"),
-        Kind::Switch => json!({ "type": "boolean" }),
-        Kind::Choice(choices) => one_of(choices, ""),
-        Kind::Numbers(labels) => json!({
+        ValueKind::Count => typed("integer"),
+        ValueKind::Number => typed("number"),
+        ValueKind::Switch => json!({ "type": "boolean" }),
+        ValueKind::Choice(choices) => one_of(choices, ""),
+        ValueKind::Numbers(labels) => json!({
             "type": "array", "items": typed("number"),
             "minItems": labels.len(), "maxItems": labels.len(),
         }),
     };
-    if let Kind::Numbers(labels) = key.kind {
+    if let ValueKind::Numbers(labels) = key.kind {
         description += &format!(" Entries: {}.", labels.join(", "));
     }
-    if let Kind::Choice(choices) = key.kind {
+    if let ValueKind::Choice(choices) = key.kind {
         for choice in choices {
             description += &format!(" {}: {}", choice.word, choice.meaning());
         }

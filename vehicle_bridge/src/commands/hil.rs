@@ -10,7 +10,7 @@ use comfy_table::{Table, presets};
 
 use super::network::on_signal;
 use super::{Outcome, folders};
-use command_line::{HilAction, HilArgs, HilRunArgs, Probe, ProbeArgs};
+use command_line::{HilAction, HilArgs, HilRunArgs, ProbeArgs, ProbeProgram};
 use file_check::check_file;
 use hil_bench::host::NETWORK_UP;
 use hil_bench::verdict::{self, Tested};
@@ -77,12 +77,14 @@ pub(super) fn run(args: &HilArgs, talk: Talk) -> Result<Outcome> {
 /// Runs a program of the shipped benches and prints what it measured.
 fn measure(args: &ProbeArgs) -> Result<()> {
     let measured = match &args.probe {
-        Probe::SaverKills { kills } => probe::saver_kills(&args.dir, args.seed, *kills)?,
-        Probe::Saver => probe::saver(&args.dir, || Ok(result("ready")?))?,
-        Probe::DamagedLog { network } => probe::damaged_log(&args.dir, args.seed, &network.url())?,
-        Probe::LoggedDrive { network } => probe::logged_drive(&args.dir, &network.url())?,
-        Probe::HostileText { network } => probe::hostile_text(&args.dir, &network.url())?,
-        Probe::SignalledCar { network, signal } => {
+        ProbeProgram::SaverKills { kills } => probe::saver_kills(&args.dir, args.seed, *kills)?,
+        ProbeProgram::Saver => probe::saver(&args.dir, || Ok(result("ready")?))?,
+        ProbeProgram::DamagedLog { network } => {
+            probe::damaged_log(&args.dir, args.seed, &network.url())?
+        }
+        ProbeProgram::LoggedDrive { network } => probe::logged_drive(&args.dir, &network.url())?,
+        ProbeProgram::HostileText { network } => probe::hostile_text(&args.dir, &network.url())?,
+        ProbeProgram::SignalledCar { network, signal } => {
             probe::signalled_car(&args.dir, &network.url(), *signal)?
         }
     };

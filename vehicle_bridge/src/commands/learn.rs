@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use controller::Controller;
-use driven_laps::{Driven, LapAccount, Recording};
+use driven_laps::{LapAccount, Recording, ResampledDrive};
 use hosting::learned;
 use serde_json::json;
 use vehicle_model::Track;
@@ -64,7 +64,7 @@ pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// Refuses a drive that cannot have been on this track.
-fn refuse(args: &LearnArgs, driven: &Driven, track: &Track) -> Result<()> {
+fn refuse(args: &LearnArgs, driven: &ResampledDrive, track: &Track) -> Result<()> {
     let (file, name) = (args.file.display(), track.name());
     if driven.steps.is_empty() {
         bail!("{file}: no stretch of states without a gap that is long enough");
@@ -93,7 +93,7 @@ fn refuse(args: &LearnArgs, driven: &Driven, track: &Track) -> Result<()> {
 }
 
 /// What the recording was and what became of it.
-fn origin(recording: &Recording, driven: &Driven) -> String {
+fn origin(recording: &Recording, driven: &ResampledDrive) -> String {
     let mut text = format!(
         "{} states every {:.0} ms in {} stretches; inputs {}",
         recording.states.len(),
@@ -117,7 +117,7 @@ fn origin(recording: &Recording, driven: &Driven) -> String {
 }
 
 /// One line for each lap.
-fn account(driven: &Driven) -> Vec<String> {
+fn account(driven: &ResampledDrive) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, lap) in driven.laps.iter().enumerate() {
         let text = format!("lap {:>3}  {:8.3} s", i + 1, lap.lap_time);
@@ -139,14 +139,14 @@ fn reason(lap: &LapAccount) -> Option<String> {
     lap.stopped.map(|s| format!("the car stood or turned round at s = {s:.2} m"))
 }
 
-fn best(driven: &Driven) -> Option<f64> {
+fn best(driven: &ResampledDrive) -> Option<f64> {
     driven.laps.iter().filter(|lap| lap.fit()).map(|lap| lap.lap_time).min_by(f64::total_cmp)
 }
 
 fn summary(
     args: &LearnArgs,
     recording: &Recording,
-    driven: &Driven,
+    driven: &ResampledDrive,
     grip: [f64; 2],
 ) -> serde_json::Value {
     let lap = |lap: &LapAccount| {

@@ -41,7 +41,7 @@ use anyhow::Result;
 
 pub use welcome::welcome;
 
-use command_line::{Cli, Command, Vehicle, VehicleArgs};
+use command_line::{Cli, CliCommand, VehicleArgs, VehicleCommand};
 use terminal::Talk;
 
 /// How a command ended that did not fail.
@@ -79,36 +79,38 @@ pub fn run(cli: Cli) -> Result<Outcome> {
     }
     let talk = Talk { quiet: cli.quiet };
     match cli.command {
-        Command::Tour(args) => tour::run(&args, talk),
-        Command::Race(args) => race::run(&args, talk),
-        Command::Study(args) => study::run(&args, talk),
-        Command::Optimum(args) => optimum::run(&args, talk),
-        Command::Learn(args) => learn::run(&args, talk),
-        Command::Serve(args) => network::serve(&args, talk),
-        Command::Vehicle(VehicleArgs { vehicle }) => match vehicle {
-            Vehicle::Sim(args) => network::sim(&args, None, talk),
-            Vehicle::Fmu(args) => network::sim(&args.car, Some((&args.file, &args.fmu)), talk),
-            Vehicle::Car(args) => network::car(&args, talk),
-            Vehicle::Inspect(args) => vehicle::inspect(&args),
-            Vehicle::Try(args) => vehicle::try_out(&args),
+        CliCommand::Tour(args) => tour::run(&args, talk),
+        CliCommand::Race(args) => race::run(&args, talk),
+        CliCommand::Study(args) => study::run(&args, talk),
+        CliCommand::Optimum(args) => optimum::run(&args, talk),
+        CliCommand::Learn(args) => learn::run(&args, talk),
+        CliCommand::Serve(args) => network::serve(&args, talk),
+        CliCommand::Vehicle(VehicleArgs { vehicle }) => match vehicle {
+            VehicleCommand::Sim(args) => network::sim(&args, None, talk),
+            VehicleCommand::Fmu(args) => {
+                network::sim(&args.car, Some((&args.file, &args.fmu)), talk)
+            }
+            VehicleCommand::Car(args) => network::car(&args, talk),
+            VehicleCommand::Inspect(args) => vehicle::inspect(&args),
+            VehicleCommand::Try(args) => vehicle::try_out(&args),
         },
-        Command::Bridge(args) => operator::bridge(&args, talk),
-        Command::Operator(args) => operator::operator(&args, talk),
-        Command::Top(args) => top::run(&args, talk),
-        Command::View(args) => view::run(&args, talk),
-        Command::Record(args) => network::record(&args, talk),
-        Command::Replay(args) => network::replay(&args),
-        Command::Export(args) => export::run(&args, talk),
-        Command::Bench(args) => bench::run(&args, talk),
-        Command::Track(args) => track::run(&args),
-        Command::Car(args) => car::run(&args),
-        Command::Config(args) => config::run(&args),
-        Command::Check(args) => check::run(&args),
-        Command::Doctor(args) => doctor::run(&args),
-        Command::Hil(args) => hil::run(&args, talk),
-        Command::Key(args) => key::run(&args, talk),
-        Command::Fmu(args) => fmu::run(&args, talk),
-        Command::Completions(args) => shell::completions(&args),
-        Command::Man(args) => shell::man(&args),
+        CliCommand::Bridge(args) => operator::bridge(&args, talk),
+        CliCommand::Operator(args) => operator::operator(&args, talk),
+        CliCommand::Top(args) => top::run(&args, talk),
+        CliCommand::View(args) => view::run(&args, talk),
+        CliCommand::Record(args) => network::record(&args, talk),
+        CliCommand::Replay(args) => network::replay(&args),
+        CliCommand::Export(args) => export::run(&args, talk),
+        CliCommand::Bench(args) => bench::run(&args, talk),
+        CliCommand::Track(args) => track::run(&args),
+        CliCommand::Car(args) => car::run(&args),
+        CliCommand::Config(args) => config::run(&args),
+        CliCommand::Check(args) => check::run(&args),
+        CliCommand::Doctor(args) => doctor::run(&args),
+        CliCommand::Hil(args) => hil::run(&args, talk),
+        CliCommand::Key(args) => key::run(&args, talk),
+        CliCommand::Fmu(args) => fmu::run(&args, talk),
+        CliCommand::Completions(args) => shell::completions(&args),
+        CliCommand::Man(args) => shell::man(&args),
     }
 }

@@ -27,14 +27,14 @@ use protocol::convert;
 use racing::RaceOptions;
 use racing::words::kind_word;
 use safety::Setup;
-use services::car::{Car, CarOptions, Drive};
+use services::car::{CarOptions, DriveSummary, SimulatedCar};
 use services::mapped_car::MappedCar;
 use services::service::{Service, ServiceOptions};
-use services::store::Store;
+use services::store::LearnedDataStore;
 use services::{map_file, replay};
 use terminal::{Talk, WARN, paint, result};
 use transport::record;
-use transport::record::Log;
+use transport::record::NetworkLog;
 use transport::{ThreadStart, Transport};
 use vehicle_host::Vehicle;
 
@@ -54,7 +54,7 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     let mut controller = service_controller(options, args.seed, args.recover)?;
     let warn = |text: &str| talk.say(&paint(WARN, &format!("warning: {text}")));
     let store = match &args.learned {
-        Some(path) => Some(Store::open(path, &mut controller, warn)?),
+        Some(path) => Some(LearnedDataStore::open(path, &mut controller, warn)?),
         None => None,
     };
     if let Some(path) = &args.learned {
@@ -156,12 +156,13 @@ pub(super) fn sim(
     };
     let stop = on_signal()?;
     let mut closed = Ok(());
-    let drive = Car::new(car, vehicle, rule, &network)?.run(&stop, &mut |lap, time, clean| {
-        let off = if clean { "" } else { "  off the track" };
-        if closed.is_ok() {
-            closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
-        }
-    })?;
+    let drive =
+        SimulatedCar::new(car, vehicle, rule, &network)?.run(&stop, &mut |lap, time, clean| {
+            let off = if clean { "" } else { "  off the track" };
+            if closed.is_ok() {
+                closed = result(&format!("lap {lap:3}  {time:8.3} s{off}"));
+            }
+        })?;
     closed?;
     account(&drive, talk);
     Ok(match (drive.deserted, drive.off_track + drive.stopped) {
@@ -241,7 +242,7 @@ pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
     Ok(if found.is_identical() { Outcome::Done } else { Outcome::Problems })
 }
 
-fn account(drive: &Drive, talk: Talk) {
+fn account(drive: &DriveSummary, talk: Talk) {
     talk.say(&format!(
         "{} periods, {} off the track, {} by fallback plan, {} stopped, {} more than a period late \
          (latest by {:.1} ms)",
@@ -298,7 +299,7 @@ pub(super) fn connect(args: &NetworkArgs, fifo: bool) -> Result<Connected> {
 
 /// A log and the thread that reports at once when the disk stops taking messages, and takes them again.
 pub(super) struct Watched {
-    pub(super) log: Log,
+    pub(super) log: NetworkLog,
     _watch: Worker,
 }
 

@@ -22,12 +22,12 @@ use safety::{BridgeState, Rules, StopReason};
 use services::blackbox::BlackBox;
 use services::bridge::Bridge;
 use services::map_file;
-use services::operator_client::{Answered, Held, Operator};
+use services::operator_client::{Held, Operator, OperatorAnswer};
 use services::side::CarSide;
 use services::watchdog::Watchdog;
 use terminal::{Talk, WARN, complain, paint, result};
 use transport::Transport;
-use transport::record::{self, Log};
+use transport::record::{self, NetworkLog};
 use vehicle_host::Vehicle;
 
 /// Runs the bridge until Ctrl-C.
@@ -101,7 +101,7 @@ fn black_box(
     network: Arc<dyn Transport>,
     args: &BridgeArgs,
     notes: &mut Vec<String>,
-) -> (Arc<dyn Transport>, Option<Log>) {
+) -> (Arc<dyn Transport>, Option<NetworkLog>) {
     if args.black_box.as_deref() == Some(Path::new("off")) {
         notes.push("no black box (--black-box off)".to_owned());
         return (network, None);
@@ -214,7 +214,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
     })?;
     match end {
         Held::Refused(answers) | Held::Released(answers) => show(&answers),
-        Held::Ended(Answered { who, ack }) => {
+        Held::Ended(OperatorAnswer { who, ack }) => {
             complain(&format!(
                 "{who} ended the drive, it is in state {}",
                 BridgeState::name_of(ack.state)
@@ -225,7 +225,7 @@ pub(super) fn operator(args: &OperatorArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// Prints answers.
-fn show(answers: &[Answered]) -> Result<Outcome> {
+fn show(answers: &[OperatorAnswer]) -> Result<Outcome> {
     let mut refused = false;
     for answer in answers {
         let state = BridgeState::name_of(answer.ack.state);

@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use optimum::{Optimum, Options, Progress};
+use optimum::{Optimum, Options, SolveProgress};
 use serde_json::json;
 use vehicle_model::{CarParams, Track};
 
@@ -12,7 +12,7 @@ use super::{Outcome, folders};
 use command_line::OptimumArgs;
 use hosting::load;
 use hosting::settings::{Layers, Usage};
-use optimum_store::{Store, files};
+use optimum_store::{OptimumStore, files};
 use report::picture;
 use terminal::{BEST, SOFT, Talk, paint, result};
 
@@ -37,7 +37,7 @@ pub(super) fn run(args: &OptimumArgs, talk: Talk) -> Result<Outcome> {
     write("optimum.csv", files::trajectory(&track, &lap))?;
     write("raceline.csv", files::raceline(&car, &track, &lap))?;
     write("optimum.html", picture::page(&car, &track, margin, &lap))?;
-    let store = Store::of(&args.track, args.store.as_deref());
+    let store = OptimumStore::of(&args.track, args.store.as_deref());
     let kept = store.save(&car, &track, margin, &lap)?;
     talk.say(&format!("kept as {}", kept.display()));
     if args.json {
@@ -67,11 +67,11 @@ pub(super) fn solve(
     talk: Talk,
 ) -> Result<Optimum> {
     let found = optimum::solve_with_progress(car, track, options, |progress| match progress {
-        Progress::Start { index, steps, lap_time } => {
+        SolveProgress::Start { index, steps, lap_time } => {
             let time = lap_time.map_or("did not converge".to_owned(), |t| format!("{t:.3} s"));
             talk.say(&paint(SOFT, &format!("start {}: {time}, {steps} steps", index + 1)));
         }
-        Progress::Refined { intervals, steps, lap_time, defect } => {
+        SolveProgress::Refined { intervals, steps, lap_time, defect } => {
             let text = format!(
                 "{intervals} intervals: {lap_time:.4} s, {steps} steps, largest defect {defect:.1e}"
             );

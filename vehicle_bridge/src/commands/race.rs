@@ -10,7 +10,7 @@ use serde_json::json;
 use super::{Outcome, folders, optimum, seeds, setup, vehicle};
 use command_line::{OnFailure, RaceArgs};
 use hosting::{learned, problem_file};
-use optimum_store::{Known, Store};
+use optimum_store::{Known, OptimumStore};
 use racing::raceline::{self, Raceline};
 use racing::record::{Failure, StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
@@ -180,7 +180,7 @@ pub(super) fn given_line(args: &RaceArgs) -> Result<Option<Raceline>> {
 fn known(args: &RaceArgs, options: &RaceOptions, talk: Talk) -> Result<Option<Known>> {
     let (car, track) = (&options.plant.car, &options.track);
     let margin = options.config.limits.lane_margin;
-    let store = Store::of(&args.controller.track, args.store.as_deref());
+    let store = OptimumStore::of(&args.controller.track, args.store.as_deref());
     let kept = store.find(car, track, margin);
     if kept.is_some() || !args.optimum {
         return Ok(kept);

@@ -9,7 +9,7 @@ use super::{Outcome, campaign, study_report, study_tracks};
 use command_line::{PaperStudyArgs, Study, StudyArgs};
 use hosting::parallel::{parallel, threads};
 use studies::{
-    Cell, Definition, Ledger, Plan, RunRow, StudyName, page, run_one, summarize, text_table,
+    Cell, Definition, Ledger, RunRow, StudyCase, StudyName, page, run_one, summarize, text_table,
 };
 use terminal::progress::bar;
 use terminal::{Talk, result};
@@ -30,27 +30,28 @@ pub(super) fn run(args: &StudyArgs, talk: Talk) -> Result<Outcome> {
 /// Runs what is missing of a study of the paper and prints its table.
 fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> {
     let study = Definition::of(name)?;
-    let plans = Plan::of(&study, &args.set, args.seeds, args.laps)?;
+    let cases = StudyCase::of(&study, &args.set, args.seeds, args.laps)?;
     let out =
         args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/study-{}", name.as_str())));
-    let keys: Vec<_> = plans.iter().map(Plan::key).collect();
+    let keys: Vec<_> = cases.iter().map(StudyCase::key).collect();
     let mut ledger = Ledger::open(&out, &keys, args.fresh)?;
     let done: Vec<_> = ledger.runs.iter().map(RunRow::key).collect();
-    let missing: Vec<&Plan> = plans.iter().filter(|plan| !done.contains(&plan.key())).collect();
+    let missing: Vec<&StudyCase> =
+        cases.iter().filter(|case| !done.contains(&case.key())).collect();
     talk.say(&format!(
         "{}: {} runs, {} kept from {}{}",
         study.title,
-        plans.len(),
+        cases.len(),
         done.len(),
         out.display(),
         others(ledger.other_runs.len())
     ));
 
-    let bar = bar(plans.len() as u64, done.len() as u64, talk);
+    let bar = bar(cases.len() as u64, done.len() as u64, talk);
     let ran = parallel(
         &missing,
         threads(args.jobs),
-        |plan| run_one(plan),
+        |case| run_one(case),
         |_, run| -> Result<()> {
             let (run, laps) = run?;
             bar.set_message(format!(
@@ -73,7 +74,7 @@ fn paper(name: StudyName, args: &PaperStudyArgs, talk: Talk) -> Result<Outcome> 
     ran?;
     ledger.sort(&keys)?;
 
-    let mut cells: Vec<Cell> = plans.iter().map(|plan| plan.cell.clone()).collect();
+    let mut cells: Vec<Cell> = cases.iter().map(|case| case.cell.clone()).collect();
     cells.dedup();
     let summaries = summarize(&study, &cells, &ledger.runs);
     let report = out.join("report.html");

@@ -7,12 +7,12 @@ use anyhow::{Context as _, Result};
 
 use super::Outcome;
 use command_line::{ReportArgs, TemplateName};
-use studies::picture::{Figure, Table, Template, page, usual};
+use studies::picture::{Figure, RunTable, Template, page, usual};
 use terminal::result;
 
 /// Draws a table of runs.
 pub(super) fn run(args: &ReportArgs) -> Result<Outcome> {
-    let table = Table::read(&args.runs)?;
+    let table = RunTable::read(&args.runs)?;
     let figures = match (&args.x, args.template) {
         (Some(x), _) => args.y.iter().map(|y| figure(args, x, y)).collect(),
         (None, Some(TemplateName::Crc)) => Template::Crc.figures(&table)?,

@@ -12,8 +12,8 @@ use super::{Outcome, setup};
 use command_line::{ControllerArgs, TracksStudyArgs};
 use hosting::parallel::{parallel, threads};
 use studies::tracks::{
-    Book, Case, Key, Named, Optima, Row, Run, cars, drive, generated, page, summarize, text_table,
-    tracks,
+    Book, Named, Optima, Run, TracksCase, TracksKey, TracksRow, cars, drive, generated, page,
+    summarize, text_table, tracks,
 };
 use terminal::progress::Progress;
 use terminal::{BAD, GOOD, Talk, WARN, paint, result};
@@ -28,12 +28,12 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
         talk.say(&paint(WARN, &format!("passed over {}: {}", refused.file, refused.reason)));
     }
     let cases = cases(args, &known.tracks)?;
-    let keys: Vec<Key> = cases.iter().map(|case| case.key.clone()).collect();
+    let keys: Vec<TracksKey> = cases.iter().map(|case| case.key.clone()).collect();
     let mut book = Book::open(&args.out, &keys, args.resume)?;
     book.rate(&cases);
-    let mut done: Vec<Key> = book.rows.iter().map(Row::key).collect();
+    let mut done: Vec<TracksKey> = book.rows.iter().map(TracksRow::key).collect();
     done.sort();
-    let missing: Vec<&Case> =
+    let missing: Vec<&TracksCase> =
         cases.iter().filter(|case| done.binary_search(&case.key).is_err()).collect();
     let out = args.out.display();
     let lead = format!("{} runs of {} learned laps", cases.len(), args.laps);
@@ -64,7 +64,7 @@ pub(super) fn run(args: &TracksStudyArgs, talk: Talk) -> Result<Outcome> {
 }
 
 /// Every run of the matrix: car by car, track by track, plant by plant, seed by seed.
-fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Case>> {
+fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<TracksCase>> {
     let optima = args.optimum.as_deref().map(Optima::load).transpose()?.unwrap_or_default();
     let plants = if args.plant.is_empty() { vec![BARE.to_owned()] } else { args.plant.clone() };
     let mut all = Vec::new();
@@ -84,7 +84,7 @@ fn cases(args: &TracksStudyArgs, tracks: &[Named<Arc<Track>>]) -> Result<Vec<Cas
                 )?;
                 options.limit = args.limit.limit(&options.config);
                 let names = [car.label.as_str(), track.label.as_str(), label];
-                all.extend(Case::of_cell(names, options, args.seeds, optimum, generated));
+                all.extend(TracksCase::of_cell(names, options, args.seeds, optimum, generated));
             }
         }
     }
@@ -117,7 +117,7 @@ fn controller(
 
 /// Drives the cases; failures are shown as they come.
 fn race(
-    cases: &[&Case],
+    cases: &[&TracksCase],
     args: &TracksStudyArgs,
     book: &mut Book,
     all: usize,

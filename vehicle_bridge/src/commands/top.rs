@@ -14,7 +14,7 @@ use command_line::TopArgs;
 use network_watch::{Snapshot, Watch};
 use terminal::top::draw;
 use terminal::{Talk, harmless, result};
-use transport::{Filter, Message};
+use transport::{Filter, ReceivedMessage};
 
 /// Longest sleep, so that signals are seen.
 const NAP: Duration = Duration::from_millis(50);
@@ -36,7 +36,7 @@ pub(super) fn run(args: &TopArgs, talk: Talk) -> Result<Outcome> {
     }
     let watch = Arc::new(Mutex::new(Watch::default()));
     let entrance = Arc::clone(&watch);
-    let take = move |message: &Message<'_>| {
+    let take = move |message: &ReceivedMessage<'_>| {
         let mut watch = entrance.lock().unwrap_or_else(PoisonError::into_inner);
         watch.take(message.channel, message.payload, message.arrival.mono.as_ns());
     };

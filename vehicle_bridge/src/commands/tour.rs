@@ -154,7 +154,7 @@ impl Tour<'_> {
         }
         let serve = [&["serve", "--learned", &learned, "--log", &log], &WARM_UP[..]].concat();
         show("lmpc", &serve, " &")?;
-        let mut service = Service::start(self.command(&serve))?;
+        let mut service = ServiceProcess::start(self.command(&serve))?;
         let drive = ["vehicle", "sim", "--lock-step", "--laps", "8"];
         let drive = [&drive[..], &WARM_UP].concat();
         let drove = self.lmpc(&drive);
@@ -194,9 +194,9 @@ fn finish(mut command: Command, program: &str, arguments: &[&str]) -> Result<()>
 }
 
 /// The controller as a program beside this one.
-struct Service(Child);
+struct ServiceProcess(Child);
 
-impl Service {
+impl ServiceProcess {
     /// Starts it and waits until it waits for the car.
     fn start(mut command: Command) -> Result<Self> {
         let child = command.stderr(Stdio::piped()).spawn().context("cannot start `lmpc serve`")?;
@@ -227,7 +227,7 @@ impl Service {
     }
 }
 
-impl Drop for Service {
+impl Drop for ServiceProcess {
     fn drop(&mut self) {
         // It has ended, unless something failed before.
         let _ = self.0.kill();

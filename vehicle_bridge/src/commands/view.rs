@@ -16,11 +16,11 @@ use super::{Outcome, setup, view_orders, view_source};
 use command_line::ViewArgs;
 use hosting::settings::Usage;
 use live_view::{Clock, Reference, Resolve, Server, ServerOptions, View, Wanted};
-use optimum_store::Store;
+use optimum_store::OptimumStore;
 use protocol::convert;
 use racing::RaceOptions;
 use terminal::{Talk, WARN, paint, result};
-use transport::{Arrival, Filter, Message, Transport};
+use transport::{Arrival, Filter, ReceivedMessage, Transport};
 
 /// What is shown of a network that cannot hand out every channel.
 const CHANNELS: [&str; 13] = [
@@ -97,7 +97,7 @@ pub(super) fn run(args: &ViewArgs, talk: Talk) -> Result<Outcome> {
         show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
         log.play(&audience, &stop)?;
     } else if args.race {
-        let race = view_source::Race::new(options, args)?;
+        let race = view_source::RaceSource::new(options, args)?;
         let audience = audience(race.title(), race.clock());
         show(&opened(&audience, ServerOptions::default())?, &audience, talk)?;
         race.drive(&audience, &stop)?;
@@ -138,7 +138,7 @@ fn show(place: &str, audience: &Audience, talk: Talk) -> Result<()> {
 /// Shows every message of a network.
 pub(super) fn subscribe(network: &Arc<dyn Transport>, audience: &Arc<Audience>) -> Result<()> {
     let audience = Arc::clone(audience);
-    let take = move |message: &Message<'_>| {
+    let take = move |message: &ReceivedMessage<'_>| {
         audience.take(message.channel, message.payload, message.arrival);
     };
     match network.subscribe(Filter::All, Box::new(take.clone())) {
@@ -156,7 +156,7 @@ pub(super) fn subscribe(network: &Arc<dyn Transport>, audience: &Arc<Audience>) 
 /// The cars and tracks this computer knows: those of the command line, then those that ship, by the names
 /// the network has for them.
 fn resolve(args: &ViewArgs, options: &RaceOptions) -> Resolve {
-    let store = Store::of(&args.controller.track, args.store.as_deref());
+    let store = OptimumStore::of(&args.controller.track, args.store.as_deref());
     let (own_car, own_track) = (options.plant.car.clone(), Arc::clone(&options.track));
     let named_car = hosting::load::car(&args.controller.car).ok();
     let margin = options.config.limits.lane_margin;

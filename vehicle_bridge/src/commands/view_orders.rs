@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::Result;
 use lcm_types::OperatorCommand;
 
-use live_view::{Order, Orders};
+use live_view::{OrderRequest, Orders};
 use protocol::publisher::random;
 use safety::BridgeState;
-use services::operator_client::{Answered, Operator};
+use services::operator_client::{Operator, OperatorAnswer};
 use transport::Transport;
 
 /// Carries orders to a network. An emergency stop does not wait for another order's answer.
@@ -29,7 +29,7 @@ pub(super) fn orders(network: &Arc<dyn Transport>) -> Result<Orders> {
     })
 }
 
-fn command(order: &Order) -> Result<OperatorCommand, String> {
+fn command(order: &OrderRequest) -> Result<OperatorCommand, String> {
     let (command, value) = match order.order.as_str() {
         "arm" => (OperatorCommand::ARM, 0.0),
         "disarm" => (OperatorCommand::DISARM, 0.0),
@@ -49,8 +49,8 @@ fn command(order: &Order) -> Result<OperatorCommand, String> {
 }
 
 /// Who answered what; an error if one of them refused.
-fn account(answers: &[Answered]) -> Result<String, String> {
-    let line = |answer: &Answered| {
+fn account(answers: &[OperatorAnswer]) -> Result<String, String> {
+    let line = |answer: &OperatorAnswer| {
         let state = BridgeState::name_of(answer.ack.state);
         match (answer.ack.accepted, &answer.ack.detail) {
             (true, _) => format!("{}: {state}", answer.who),

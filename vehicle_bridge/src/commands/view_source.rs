@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use controller::Controller;
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::EventReader;
 use lcm_types::{MonoTime, channels};
 use vehicle_model::{Plant, PlantParams, State};
 
@@ -19,7 +19,7 @@ use command_line::ViewArgs;
 use hosting::rule::FailureRule;
 use live_view::Clock;
 use racing::RaceOptions;
-use services::car::{Car, CarOptions};
+use services::car::{CarOptions, SimulatedCar};
 use services::service::{Service, ServiceOptions};
 use transport::{Arrival, Error, Filter, Local, Sink, Statistics, Transport};
 
@@ -59,10 +59,10 @@ impl Log {
         }
     }
 
-    fn events(&self) -> Result<Reader<BufReader<File>>> {
+    fn events(&self) -> Result<EventReader<BufReader<File>>> {
         let shown = self.path.display();
         let file = File::open(&self.path).with_context(|| format!("cannot read {shown}"))?;
-        Ok(Reader::new(BufReader::new(file)))
+        Ok(EventReader::new(BufReader::new(file)))
     }
 
     /// Shows every message when it is due.
@@ -124,13 +124,13 @@ fn arrival(utime: i64) -> Arrival {
 }
 
 /// A race: the service and a simulated car in lock-step, on a network within this program.
-pub(super) struct Race {
+pub(super) struct RaceSource {
     options: RaceOptions,
     setup: lcm_types::Setup,
     speed: f64,
 }
 
-impl Race {
+impl RaceSource {
     pub(super) fn new(mut options: RaceOptions, args: &ViewArgs) -> Result<Self> {
         options.seed = args.seed;
         options.config.warm_up.seed = args.seed;
@@ -189,7 +189,7 @@ impl Race {
         };
         let rule =
             FailureRule::new(&options.config, &options.track, &options.plant.car, options.limit);
-        let mut car = Car::new(car, vehicle, rule, &network)?;
+        let mut car = SimulatedCar::new(car, vehicle, rule, &network)?;
         let over = Arc::new(AtomicBool::new(false));
         let served = Arc::clone(&over);
         let server = std::thread::Builder::new()

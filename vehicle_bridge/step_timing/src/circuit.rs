@@ -5,7 +5,7 @@ use std::sync::Arc;
 use controller::{Command, Controller, Measurement, Pose};
 use vehicle_model::{CarParams, Discretized, Model, ModelKind, State, Track};
 
-use super::{BenchError, Case};
+use super::{BenchError, TimingCase};
 
 /// Sub-steps of the simulated car in one period.
 const SUBSTEPS: usize = 10;
@@ -26,7 +26,7 @@ impl Circuit {
     ///
     /// # Errors
     /// If car or track do not ship, or do not fit the configuration.
-    pub fn new(case: &Case, laps: usize) -> Result<Self, BenchError> {
+    pub fn new(case: &TimingCase, laps: usize) -> Result<Self, BenchError> {
         let mut config = case.config.clone();
         config.warm_up.laps = laps;
         let missing = |what, name: &str| BenchError::Missing(what, name.to_owned());

@@ -36,7 +36,7 @@ pub enum BenchError {
 
 /// One set-up of the controller.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct TimingCase {
     /// What sets it apart.
     pub name: &'static str,
     /// A shipped car.
@@ -52,7 +52,7 @@ pub struct Case {
 
 /// What is measured.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct TimingPlan {
     /// Learned steps, and QPs, of each measurement.
     pub steps: usize,
     /// Numbers of stored laps; ratios are to the first.
@@ -98,14 +98,14 @@ pub struct CaseTimes {
 ///
 /// # Errors
 /// If the shipped configuration is refused.
-pub fn cases() -> Result<[Case; 4], ConfigError> {
+pub fn cases() -> Result<[TimingCase; 4], ConfigError> {
     let barc = |name, steps, neighbors, searched| {
         let mut config = Config::default();
         config.horizon.steps = steps;
         config.safe_set.neighbors = neighbors;
         config.safe_set.laps = 4;
         config.regression.laps = searched;
-        Case { name, car: "barc", track: "l", config, long: false }
+        TimingCase { name, car: "barc", track: "l", config, long: false }
     };
     let (car, track) = (CarParams::builtin("iac"), Track::builtin("road_course"));
     let mut iac = match (&car, &track) {
@@ -120,7 +120,7 @@ pub fn cases() -> Result<[Case; 4], ConfigError> {
         barc("barc, 4 laps searched", 10, 10, 4),
         barc("barc, all laps searched", 10, 10, 0),
         barc("barc, all laps searched", 20, 16, 0),
-        Case {
+        TimingCase {
             name: "iac, all laps searched",
             car: "iac",
             track: "road_course",
@@ -135,8 +135,8 @@ pub fn cases() -> Result<[Case; 4], ConfigError> {
 /// # Errors
 /// If car, track and configuration do not fit together.
 pub fn measure(
-    case: &Case,
-    plan: &Plan,
+    case: &TimingCase,
+    plan: &TimingPlan,
     mut progress: impl FnMut(&str),
 ) -> Result<CaseTimes, BenchError> {
     let most = plan.laps.iter().copied().max().unwrap_or(0);

@@ -5,7 +5,7 @@ use controller::Config;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use hosting::settings::{Layers, Origin};
+use hosting::settings::{Layers, SettingOrigin};
 use racing::words::model_word;
 
 /// A study as its file describes it.
@@ -143,7 +143,7 @@ impl Definition {
         set: &[String],
     ) -> Result<(Cell, Config)> {
         let mut layers = Layers::default();
-        let origin = || Origin::File(format!("study {}", self.title));
+        let origin = || SettingOrigin::File(format!("study {}", self.title));
         layers.text(&toml::to_string(&self.config)?, origin())?;
         for part in &self.overrides {
             if part.when.holds(regression, control_rate_cost, bandwidth) {

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use controller::LapNumber;
 use serde::{Deserialize, Serialize};
 
 use super::csv_file::{Folder, append, open, put_aside, replace};
@@ -55,8 +56,8 @@ pub struct StudyLap {
     pub bandwidth: f64,
     /// Seed.
     pub seed: u64,
-    /// Number of the lap.
-    pub lap: u32,
+    /// Its number.
+    pub lap: LapNumber,
     /// `warmup` or `learning`.
     pub kind: String,
     /// Number among the learning laps.
@@ -198,7 +199,7 @@ mod tests {
             regression: run.regression.clone(),
             nominal: run.nominal.clone(),
             seed: run.seed,
-            lap: number,
+            lap: LapNumber::new(number),
             iteration: Some(number),
             lap_time_s: Some(4.0 + f64::from(number)),
             settings: run.settings.clone(),

@@ -13,5 +13,5 @@ pub mod tracks;
 pub use definition::{Cell, Definition, Paper, StudyName};
 pub use ledger::{Ledger, RunRow, StudyLap};
 pub use plots::page;
-pub use runs::{Plan, run_one};
+pub use runs::{StudyCase, run_one};
 pub use table::{CellSummary, summarize, text_table};

@@ -4,7 +4,7 @@ use super::definition::{Cell, Definition};
 use super::ledger::{RunRow, StudyLap};
 use super::table::{CellSummary, HEAD, belongs, cells_of};
 use racing::record::{mean, median};
-use svg_page::scale::Kind;
+use svg_page::scale::ScaleKind;
 use svg_page::{Chart, Mark, Series, card, page as html_page, table};
 
 /// The page.
@@ -30,7 +30,7 @@ pub fn page(
                 &own,
                 laps,
                 "lap time [s]",
-                Kind::Linear,
+                ScaleKind::Linear,
                 |lap| lap.lap_time_s,
                 median,
             ),
@@ -50,7 +50,7 @@ pub fn page(
             body.push_str(&card(
                 &format!("Model error, {what}, {name}"),
                 note,
-                &over_iterations(&own, laps, "|A_learned - A_plant|", Kind::Log, of, middle),
+                &over_iterations(&own, laps, "|A_learned - A_plant|", ScaleKind::Log, of, middle),
             ));
         }
     }
@@ -70,7 +70,7 @@ fn over_iterations(
     cells: &[&CellSummary],
     laps: &[StudyLap],
     y_label: &str,
-    kind: Kind,
+    kind: ScaleKind,
     value: impl Fn(&StudyLap) -> Option<f64>,
     middle: fn(&mut [f64]) -> f64,
 ) -> String {

@@ -18,7 +18,7 @@ const REPORTED_ITERATION: u32 = 20;
 
 /// One run to be done.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct StudyCase {
     /// Its cell.
     pub cell: Cell,
     /// Its seed.
@@ -28,7 +28,7 @@ pub struct Plan {
     options: RaceOptions,
 }
 
-impl Plan {
+impl StudyCase {
     /// Every run of a study, in the order of its tables.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Plan {
         let mut plant = PlantParams::new(car.clone());
         change_plant(&mut plant, &study.plant)?;
         let nominal = car.with_mu(study.nominal_mu);
-        let mut plans = Vec::new();
+        let mut cases = Vec::new();
         for (cell, config) in study.cells(set)? {
             let model_error =
                 if study.model_error_along_plan { ModelErrorAt::Plan } else { ModelErrorAt::Now };
@@ -54,10 +54,10 @@ impl Plan {
             for seed in 0..u64::from(seeds) {
                 let (cell, settings) = (cell.clone(), settings.clone());
                 let options = options.clone().with_seed(seed);
-                plans.push(Self { cell, seed, settings, options });
+                cases.push(Self { cell, seed, settings, options });
             }
         }
-        Ok(plans)
+        Ok(cases)
     }
 
     /// Key of the run.
@@ -113,8 +113,8 @@ pub(super) fn fingerprint(options: &RaceOptions) -> String {
 ///
 /// # Errors
 /// If the settings do not fit together, or what computes the vehicle fails.
-pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
-    let mut race = Race::new(plan.options.clone())?;
+pub fn run_one(case: &StudyCase) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
+    let mut race = Race::new(case.options.clone())?;
     race.run(|_| {})?;
     let learned: Vec<&LapRow> = race.laps.iter().filter(|lap| lap.is_learning()).collect();
     let times = || learned.iter().map(|lap| lap.result.lap_time);
@@ -126,23 +126,23 @@ pub fn run_one(plan: &Plan) -> Result<(RunRow, Vec<StudyLap>), RaceError> {
         best_lap_s: times().min_by(f64::total_cmp),
         failure: race.failure.as_ref().map_or(String::new(), |f| f.reason.as_str().to_owned()),
         fallbacks: race.steps.iter().filter(|row| is_fallback(&row.status)).count() as u64,
-        ..plan.row()
+        ..case.row()
     };
     // The lap of the failure shows what the model was like in it.
     let failed = race.failed_lap();
-    let laps = race.laps.iter().chain(&failed).map(|lap| study_lap(plan, lap)).collect();
+    let laps = race.laps.iter().chain(&failed).map(|lap| study_lap(case, lap)).collect();
     Ok((run, laps))
 }
 
-fn study_lap(plan: &Plan, lap: &LapRow) -> StudyLap {
+fn study_lap(case: &StudyCase, lap: &LapRow) -> StudyLap {
     let finite = |value: f64| value.is_finite().then_some(value);
     StudyLap {
-        regression: plan.cell.regression.clone(),
-        nominal: plan.cell.nominal.clone(),
-        control_rate_cost: plan.cell.control_rate_cost,
-        bandwidth: plan.cell.bandwidth,
-        seed: plan.seed,
-        lap: lap.result.lap.get(),
+        regression: case.cell.regression.clone(),
+        nominal: case.cell.nominal.clone(),
+        control_rate_cost: case.cell.control_rate_cost,
+        bandwidth: case.cell.bandwidth,
+        seed: case.seed,
+        lap: lap.result.lap,
         kind: kind_word(lap.result.kind).to_owned(),
         iteration: lap.iteration,
         lap_time_s: finite(lap.result.lap_time),
@@ -152,6 +152,6 @@ fn study_lap(plan: &Plan, lap: &LapRow) -> StudyLap {
         fallbacks: lap.fallbacks as u64,
         model_error_median: finite(lap.model_error_median),
         model_error_mean: finite(lap.model_error_mean),
-        settings: plan.settings.clone(),
+        settings: case.settings.clone(),
     }
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::escape;
-use super::scale::{Kind, Scale};
+use super::scale::{Scale, ScaleKind};
 
 const WIDTH: f64 = 720.0;
 const LEFT: f64 = 74.0;
@@ -60,7 +60,7 @@ impl Series {
 
 /// A horizontal line at a known value.
 #[derive(Debug, Clone)]
-pub struct Reference {
+pub struct ReferenceLine {
     /// The value.
     pub y: f64,
     /// What it is.
@@ -75,7 +75,7 @@ pub struct Chart {
     /// Label of the axis upwards, with unit.
     pub y_label: String,
     /// Division of the axis upwards.
-    pub y_kind: Kind,
+    pub y_kind: ScaleKind,
     /// Ends of the axis upwards; by default around the points.
     pub y_range: Option<(f64, f64)>,
     /// Ends of the axis to the right; by default around the points.
@@ -87,7 +87,7 @@ pub struct Chart {
     /// What it shows.
     pub series: Vec<Series>,
     /// Known values.
-    pub references: Vec<Reference>,
+    pub references: Vec<ReferenceLine>,
 }
 
 impl Chart {
@@ -97,7 +97,7 @@ impl Chart {
         Self {
             x_label: x_label.into(),
             y_label: y_label.into(),
-            y_kind: Kind::Linear,
+            y_kind: ScaleKind::Linear,
             y_range: None,
             x_range: None,
             x_whole: false,
@@ -142,7 +142,7 @@ impl Chart {
         let points = || self.series.iter().flat_map(|s| &s.points);
         let x = match self.x_range {
             Some((least, most)) => Scale::exactly(least, most),
-            None => Scale::around(Kind::Linear, points().map(|p| p.0)),
+            None => Scale::around(ScaleKind::Linear, points().map(|p| p.0)),
         };
         let references = self.references.iter().map(|r| r.y);
         let y = match self.y_range {

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use super::escape;
 use super::marks::{failures, mark};
-use super::scale::{Kind, Scale};
+use super::scale::{Scale, ScaleKind};
 
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
@@ -67,9 +67,9 @@ pub struct Facets {
     /// Label of the axis upwards, with unit.
     pub y_label: String,
     /// Division of the axis to the right.
-    pub x_kind: Kind,
+    pub x_kind: ScaleKind,
     /// Division of the axis upwards.
-    pub y_kind: Kind,
+    pub y_kind: ScaleKind,
     /// Marked places of the axis to the right; empty for round numbers.
     pub x_ticks: Vec<(f64, String)>,
     /// Ends of the axis upwards; by default around the points.
@@ -347,8 +347,8 @@ mod tests {
         Facets {
             x_label: "grip [-]".into(),
             y_label: "best lap [s]".into(),
-            x_kind: Kind::Linear,
-            y_kind: Kind::Linear,
+            x_kind: ScaleKind::Linear,
+            y_kind: ScaleKind::Linear,
             x_ticks: Vec::new(),
             y_range: None,
             bands: false,

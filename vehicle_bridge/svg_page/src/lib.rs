@@ -8,7 +8,7 @@ mod marks;
 pub mod panels;
 pub mod scale;
 
-pub use chart::{Chart, Mark, Reference, Series};
+pub use chart::{Chart, Mark, ReferenceLine, Series};
 
 /// `text` with the characters that mean something in HTML replaced.
 #[must_use]

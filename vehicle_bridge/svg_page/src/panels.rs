@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::escape;
-use super::scale::{Kind, Scale};
+use super::scale::{Scale, ScaleKind};
 
 const WIDTH: f64 = 720.0;
 const LEFT: f64 = 104.0;
@@ -213,7 +213,7 @@ fn plot(
     out: &mut String,
 ) {
     let values = curves.iter().flat_map(|c| &c.points).map(|p| p.1);
-    let scale = Scale::around(Kind::Linear, values.chain(references.iter().map(|r| r.0)));
+    let scale = Scale::around(ScaleKind::Linear, values.chain(references.iter().map(|r| r.0)));
     let (low, right) = (top + PLOT, WIDTH - RIGHT);
     let y = |value: f64| low - PLOT * scale.part(value);
     let _ = writeln!(

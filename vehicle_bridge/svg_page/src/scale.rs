@@ -2,7 +2,7 @@
 
 /// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Kind {
+pub enum ScaleKind {
     /// Evenly.
     #[default]
     Linear,
@@ -13,7 +13,7 @@ pub enum Kind {
 /// An axis over the numbers it has to show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    kind: Kind,
+    kind: ScaleKind,
     least: f64,
     most: f64,
 }
@@ -27,9 +27,11 @@ const LOG_FLOOR: f64 = 1e-12;
 impl Scale {
     /// The axis that shows all of `values`; numbers that are not finite are left out.
     #[must_use]
-    pub fn around(kind: Kind, values: impl Iterator<Item = f64>) -> Self {
+    pub fn around(kind: ScaleKind, values: impl Iterator<Item = f64>) -> Self {
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.filter(|v| v.is_finite() && (kind == Kind::Linear || *v > LOG_FLOOR)) {
+        for value in
+            values.filter(|v| v.is_finite() && (kind == ScaleKind::Linear || *v > LOG_FLOOR))
+        {
             least = least.min(value);
             most = most.max(value);
         }
@@ -48,32 +50,33 @@ impl Scale {
     /// The linear axis from `least` to `most`.
     #[must_use]
     pub fn exactly(least: f64, most: f64) -> Self {
-        Self { kind: Kind::Linear, least, most: most.max(least + 1e-9) }
+        Self { kind: ScaleKind::Linear, least, most: most.max(least + 1e-9) }
     }
 
     /// Where a number lies: 0 at the axis's beginning, 1 at its end.
     #[must_use]
     pub fn part(&self, value: f64) -> f64 {
-        let value = if self.kind == Kind::Log { value.max(10f64.powf(self.least)) } else { value };
+        let value =
+            if self.kind == ScaleKind::Log { value.max(10f64.powf(self.least)) } else { value };
         (forward(self.kind, value) - self.least) / (self.most - self.least)
     }
 
     /// Round numbers along the axis, about `count`, with their labels.
     #[must_use]
     pub fn ticks(&self, count: usize) -> Vec<(f64, String)> {
-        if self.kind == Kind::Log && self.most - self.least < FEW_DECADES {
+        if self.kind == ScaleKind::Log && self.most - self.least < FEW_DECADES {
             return self.ticks_within_decades();
         }
         let step = round_step((self.most - self.least) / count.max(1) as f64);
-        let step = if self.kind == Kind::Log { step.max(1.0).round() } else { step };
+        let step = if self.kind == ScaleKind::Log { step.max(1.0).round() } else { step };
         let first = (self.least / step).ceil() as i64;
         let last = (self.most / step).floor() as i64;
         (first..=last)
             .map(|i| {
                 let at = i as f64 * step;
                 match self.kind {
-                    Kind::Linear => (at, label(at, step)),
-                    Kind::Log => (10f64.powf(at), power_label(at)),
+                    ScaleKind::Linear => (at, label(at, step)),
+                    ScaleKind::Log => (10f64.powf(at), power_label(at)),
                 }
             })
             .collect()
@@ -101,10 +104,10 @@ impl Scale {
     }
 }
 
-fn forward(kind: Kind, value: f64) -> f64 {
+fn forward(kind: ScaleKind, value: f64) -> f64 {
     match kind {
-        Kind::Linear => value,
-        Kind::Log => value.max(LOG_FLOOR).log10(),
+        ScaleKind::Linear => value,
+        ScaleKind::Log => value.max(LOG_FLOOR).log10(),
     }
 }
 
@@ -153,20 +156,20 @@ mod tests {
 
     #[test]
     fn a_log_axis_puts_equal_ratios_at_equal_distances() {
-        let scale = Scale::around(Kind::Log, [0.1, 1000.0].into_iter());
+        let scale = Scale::around(ScaleKind::Log, [0.1, 1000.0].into_iter());
         let steps = [0.1, 1.0, 10.0, 100.0].map(|v| scale.part(v));
         assert!((steps[1] - steps[0] - (steps[3] - steps[2])).abs() < 1e-12);
         assert!(scale.ticks(5).iter().any(|t| t.1 == "0.1"));
-        let short = Scale::around(Kind::Log, [0.03, 0.6].into_iter());
+        let short = Scale::around(ScaleKind::Log, [0.03, 0.6].into_iter());
         let labels: Vec<String> = short.ticks(5).into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["0.05", "0.1", "0.2", "0.5"]);
     }
 
     #[test]
     fn nothing_to_show_still_makes_an_axis() {
-        let scale = Scale::around(Kind::Linear, [f64::NAN].into_iter());
+        let scale = Scale::around(ScaleKind::Linear, [f64::NAN].into_iter());
         assert!(scale.part(0.5).is_finite());
-        let flat = Scale::around(Kind::Linear, [2.0, 2.0].into_iter());
+        let flat = Scale::around(ScaleKind::Linear, [2.0, 2.0].into_iter());
         assert!((flat.part(2.0) - 0.5).abs() < 1e-12);
     }
 }

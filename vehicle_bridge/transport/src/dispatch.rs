@@ -3,16 +3,16 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use super::{Error, Filter, Message};
+use super::{Error, Filter, ReceivedMessage};
 
 /// Takes messages on the receiving thread: copies what it needs and returns at once.
 pub trait Sink: Send {
     /// Takes one message.
-    fn deliver(&mut self, message: &Message<'_>);
+    fn deliver(&mut self, message: &ReceivedMessage<'_>);
 }
 
-impl<F: FnMut(&Message<'_>) + Send> Sink for F {
-    fn deliver(&mut self, message: &Message<'_>) {
+impl<F: FnMut(&ReceivedMessage<'_>) + Send> Sink for F {
+    fn deliver(&mut self, message: &ReceivedMessage<'_>) {
         self(message);
     }
 }
@@ -42,7 +42,7 @@ impl Dispatcher {
 
     /// Hands `message` to every sink that asked for its channel. A sink that panics is taken out:
     /// the thread, and with it every other subscription, lives on.
-    pub(super) fn deliver(&mut self, message: &Message<'_>) {
+    pub(super) fn deliver(&mut self, message: &ReceivedMessage<'_>) {
         self.sinks.extend(self.incoming.try_iter());
         let before = self.sinks.len();
         self.sinks.retain_mut(|(filter, sink)| {
@@ -71,20 +71,20 @@ mod tests {
         let (mut dispatcher, subscriber) = Dispatcher::new();
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
-        let counting = move |_: &Message<'_>| {
+        let counting = move |_: &ReceivedMessage<'_>| {
             counted.fetch_add(1, Ordering::Relaxed);
         };
-        let broken = |_: &Message<'_>| panic!("a sink with a fault");
+        let broken = |_: &ReceivedMessage<'_>| panic!("a sink with a fault");
         subscriber.add(Filter::channel("A"), Box::new(broken)).unwrap();
         subscriber.add(Filter::channel("A"), Box::new(counting)).unwrap();
         for channel in ["A", "B", "A"] {
             let arrival = Arrival::default();
-            dispatcher.deliver(&Message { channel, payload: &[], arrival, sender: None });
+            dispatcher.deliver(&ReceivedMessage { channel, payload: &[], arrival, sender: None });
         }
         assert_eq!(count.load(Ordering::Relaxed), 2);
         assert_eq!((dispatcher.panics(), dispatcher.sinks.len()), (1, 1));
         drop(dispatcher);
-        let late = subscriber.add(Filter::All, Box::new(|_: &Message<'_>| {}));
+        let late = subscriber.add(Filter::All, Box::new(|_: &ReceivedMessage<'_>| {}));
         assert!(matches!(late, Err(Error::Closed)));
     }
 }

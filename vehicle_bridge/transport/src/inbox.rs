@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::{Arrival, Message, Sink};
+use super::{Arrival, ReceivedMessage, Sink};
 
 /// A message taken out of an [`Inbox`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -29,12 +29,12 @@ pub struct Inbox {
 #[derive(Debug)]
 struct Shared {
     capacity: usize,
-    state: Mutex<State>,
+    state: Mutex<InboxState>,
     arrived: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct InboxState {
     urgent: VecDeque<Received>,
     waiting: VecDeque<Received>,
     /// Memory of messages gone by, for the next ones.
@@ -113,7 +113,7 @@ impl Inbox {
     }
 }
 
-impl State {
+impl InboxState {
     fn pop(&mut self) -> Option<Received> {
         self.urgent.pop_front().or_else(|| self.waiting.pop_front())
     }
@@ -121,7 +121,7 @@ impl State {
 
 impl Shared {
     /// The state; a thread that panicked while holding it left it whole.
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, InboxState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -132,9 +132,9 @@ struct Entrance {
 }
 
 impl Sink for Entrance {
-    fn deliver(&mut self, message: &Message<'_>) {
+    fn deliver(&mut self, message: &ReceivedMessage<'_>) {
         let mut guard = self.shared.lock();
-        let State { urgent, waiting, spare, dropped } = &mut *guard;
+        let InboxState { urgent, waiting, spare, dropped } = &mut *guard;
         let queue = if self.urgent { urgent } else { waiting };
         let oldest = if queue.len() == self.shared.capacity {
             *dropped += 1;
@@ -162,7 +162,12 @@ mod tests {
         let mut sink = inbox.sink();
         for number in numbers {
             let arrival = Arrival { utime: number.into(), ..Arrival::default() };
-            sink.deliver(&Message { channel: "A", payload: &[number], arrival, sender: None });
+            sink.deliver(&ReceivedMessage {
+                channel: "A",
+                payload: &[number],
+                arrival,
+                sender: None,
+            });
         }
     }
 
@@ -187,7 +192,7 @@ mod tests {
     fn what_is_urgent_comes_first_and_does_not_give_way() {
         let inbox = Inbox::queue(3);
         let arrival = Arrival::default();
-        let message = Message { channel: "B", payload: &[99], arrival, sender: None };
+        let message = ReceivedMessage { channel: "B", payload: &[99], arrival, sender: None };
         inbox.urgent_sink().deliver(&message);
         send(&inbox, 0..100);
         let numbers: Vec<u8> = std::iter::from_fn(|| inbox.take()).map(|r| r.payload[0]).collect();

@@ -47,7 +47,7 @@ pub use url::{DEFAULT_URL, UdpmOptions, Url};
 
 /// A message as it arrives, borrowed from the receiver's buffer.
 #[derive(Debug, Clone, Copy)]
-pub struct Message<'a> {
+pub struct ReceivedMessage<'a> {
     /// Channel.
     pub channel: &'a str,
     /// The encoded message. Nothing in it has been checked.

@@ -28,8 +28,8 @@ use nix::sys::eventfd::EventFd;
 
 use super::dispatch::{Dispatcher, Subscriber};
 use super::{
-    Arrival, Error, Filter, MAX_MESSAGE, Message, Sink, Statistics, ThreadStart, Transport, Url,
-    check_channel, check_filter, check_size, now,
+    Arrival, Error, Filter, MAX_MESSAGE, ReceivedMessage, Sink, Statistics, ThreadStart, Transport,
+    Url, check_channel, check_filter, check_size, now,
 };
 
 /// The one place liblcm takes a URL from, as the crate calls it.
@@ -273,7 +273,8 @@ impl Owner {
             statistics.received += 1;
             statistics.bytes += payload.len() as u64;
             drop(statistics);
-            let message = Message { channel: &channel, payload: &payload, arrival, sender: None };
+            let message =
+                ReceivedMessage { channel: &channel, payload: &payload, arrival, sender: None };
             self.dispatcher.deliver(&message);
             if self.dispatcher.panics() > 0 {
                 lock(&self.statistics).sink_panics = self.dispatcher.panics();

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{Error, Filter, Message, Sink, Statistics, Transport};
+use super::{Error, Filter, ReceivedMessage, Sink, Statistics, Transport};
 
 /// A network without a wire. Sinks are called on the thread that publishes: one that publishes itself
 /// would wait for itself, so sinks put messages in an [`Inbox`](super::Inbox) or only look at them.
@@ -21,7 +21,7 @@ impl Transport for Local {
     fn publish(&self, channel: &str, payload: &[u8]) -> Result<(), Error> {
         super::check_channel(channel)?;
         super::check_size(payload)?;
-        let message = Message { channel, payload, arrival: super::now(), sender: None };
+        let message = ReceivedMessage { channel, payload, arrival: super::now(), sender: None };
         for (filter, sink) in self.sinks().iter_mut() {
             if filter.accepts(channel) {
                 sink.deliver(&message);

@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result};
 use lcm_types::eventlog::{BackgroundWriter, Totals};
 
 use crate as transport;
-use crate::{Error, Filter, Message, Sink, Statistics, Transport};
+use crate::{Error, Filter, ReceivedMessage, Sink, Statistics, Transport};
 
 /// Events that may wait for the disk. \[-\]
 const WAITING: usize = 65_536;
@@ -32,7 +32,7 @@ pub fn record(
     let file = File::create_new(path).with_context(|| format!("cannot make {}", path.display()))?;
     let log = Arc::new(Mutex::new(Some(writer(file)?)));
     let entrance = Arc::clone(&log);
-    let sink = move |message: &Message<'_>| {
+    let sink = move |message: &ReceivedMessage<'_>| {
         if let Some(log) = &*lock(&entrance) {
             log.push(message.arrival.utime, message.channel, message.payload);
         }
@@ -60,9 +60,9 @@ pub fn record(
 
 /// The log of one program, behind its network.
 #[derive(Debug, Clone)]
-pub struct Log(Arc<BackgroundWriter>);
+pub struct NetworkLog(Arc<BackgroundWriter>);
 
-impl Log {
+impl NetworkLog {
     /// Whether the disk refuses messages now.
     #[must_use]
     pub fn is_troubled(&self) -> bool {
@@ -85,7 +85,10 @@ impl Log {
 ///
 /// # Errors
 /// If the file cannot be opened.
-pub fn logged(network: Arc<dyn Transport>, path: &Path) -> Result<(Arc<dyn Transport>, Log)> {
+pub fn logged(
+    network: Arc<dyn Transport>,
+    path: &Path,
+) -> Result<(Arc<dyn Transport>, NetworkLog)> {
     let file = OpenOptions::new().create(true).append(true).open(path);
     let file = file.with_context(|| format!("cannot write the log {}", path.display()))?;
     recorded(network, file)
@@ -98,9 +101,9 @@ pub fn logged(network: Arc<dyn Transport>, path: &Path) -> Result<(Arc<dyn Trans
 pub fn recorded(
     network: Arc<dyn Transport>,
     out: impl Write + Send + 'static,
-) -> Result<(Arc<dyn Transport>, Log)> {
+) -> Result<(Arc<dyn Transport>, NetworkLog)> {
     let log = Arc::new(writer(out)?);
-    Ok((Arc::new(Logged { network, log: Arc::clone(&log) }), Log(log)))
+    Ok((Arc::new(Logged { network, log: Arc::clone(&log) }), NetworkLog(log)))
 }
 
 fn lock(log: &Mutex<Option<BackgroundWriter>>) -> MutexGuard<'_, Option<BackgroundWriter>> {
@@ -125,7 +128,7 @@ impl Transport for Logged {
 
     fn subscribe(&self, filter: Filter, mut sink: Box<dyn Sink>) -> Result<(), Error> {
         let log = Arc::clone(&self.log);
-        let both = move |message: &Message<'_>| {
+        let both = move |message: &ReceivedMessage<'_>| {
             // First: whoever waits for the message may answer before this thread goes on.
             log.push(message.arrival.utime, message.channel, message.payload);
             sink.deliver(message);

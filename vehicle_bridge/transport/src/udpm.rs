@@ -15,7 +15,7 @@ use super::datagram::{self, Datagram, Fragment};
 use super::dispatch::{Dispatcher, Subscriber};
 use super::reassembly::{Outcome, Reassembly};
 use super::{
-    Arrival, Error, Filter, Message, Sink, Statistics, ThreadStart, Transport, UdpmOptions,
+    Arrival, Error, Filter, ReceivedMessage, Sink, Statistics, ThreadStart, Transport, UdpmOptions,
     check_channel, check_filter, check_size, now,
 };
 
@@ -309,7 +309,7 @@ impl Receiver {
     fn handle(&mut self, bytes: &[u8], source: SocketAddrV4, arrival: Arrival) {
         match datagram::parse(bytes) {
             Some(Datagram::Short { sequence, channel, payload }) => {
-                let message = Message { channel, payload, arrival, sender: Some(source) };
+                let message = ReceivedMessage { channel, payload, arrival, sender: Some(source) };
                 // The loop that waits for it comes first, the books after.
                 hand_over(&mut self.dispatcher, &self.statistics, &message);
                 lock(&self.statistics).count(source, sequence, payload.len(), arrival.mono);
@@ -329,7 +329,7 @@ impl Receiver {
             Outcome::Complete { channel, payload } => {
                 statistics.count(source, fragment.sequence, payload.len(), arrival.mono);
                 drop(statistics);
-                let message = Message { channel, payload, arrival, sender: Some(source) };
+                let message = ReceivedMessage { channel, payload, arrival, sender: Some(source) };
                 hand_over(&mut self.dispatcher, &self.statistics, &message);
             }
             Outcome::Incomplete => {}
@@ -348,7 +348,11 @@ impl Receiver {
 }
 
 /// To the sinks, except what liblcm sends to itself.
-fn hand_over(dispatcher: &mut Dispatcher, statistics: &Mutex<Statistics>, message: &Message<'_>) {
+fn hand_over(
+    dispatcher: &mut Dispatcher,
+    statistics: &Mutex<Statistics>,
+    message: &ReceivedMessage<'_>,
+) {
     if message.channel == SELF_TEST {
         return;
     }

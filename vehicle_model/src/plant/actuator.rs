@@ -12,7 +12,7 @@ const SAME_INSTANT: f64 = 1e-9;
 
 /// Commands under way and what acts now.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Actuators {
+pub(super) struct PlantActuators {
     /// Commands by the time they were given, oldest first; the first one in force is kept.
     queue: VecDeque<(f64, Input)>,
     /// Position of the actuators.
@@ -21,7 +21,7 @@ pub(super) struct Actuators {
     applied: Input,
 }
 
-impl Actuators {
+impl PlantActuators {
     /// Actuators that stand here.
     pub(super) fn at(position: Input) -> Self {
         Self { queue: VecDeque::new(), position, applied: position }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
-use lcm_types::eventlog::{HEADER, Reader};
+use lcm_types::eventlog::{EventReader, HEADER};
 use lcm_types::{ActuationCommand, Checked as _, channels};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
@@ -112,7 +112,7 @@ fn damage(log: &mut Vec<u8>, seed: u64) -> usize {
 /// Commands to drive, each to a state of its own, in the events that end before `end`. \[-\]
 fn commands(log: &[u8], end: usize) -> Result<u64> {
     let (mut at, mut answered) = (0, BTreeSet::new());
-    for event in Reader::new(log) {
+    for event in EventReader::new(log) {
         let event = event?;
         at += HEADER + event.channel.len() + event.data.len();
         if at > end {

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use lcm_types::eventlog::Reader;
+use lcm_types::eventlog::EventReader;
 use lcm_types::{ActuationCommand, BootId, Checked as _, SeqNumber, VehicleState, channels};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -35,7 +35,7 @@ pub fn run(dir: &Path, url: &str) -> Result<Measured> {
     drive?;
     let file = File::open(&log).with_context(|| format!("cannot read {}", log.display()))?;
     let (mut states, mut early) = (BTreeSet::new(), 0);
-    for event in Reader::new(file) {
+    for event in EventReader::new(file) {
         let event = event?;
         if event.channel == channels::STATE
             && let Ok(state) = VehicleState::open(&event.data)

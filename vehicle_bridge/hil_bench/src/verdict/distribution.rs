@@ -1,7 +1,7 @@
 //! A measure over the runs of a scenario.
 
 use crate::measure::Expectation;
-use crate::run::Outcome;
+use crate::run::RunOutcome;
 
 /// A measure over the runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Distribution {
 impl Distribution {
     /// Of a limit over runs.
     #[must_use]
-    pub fn new(expectation: &Expectation, runs: &[Outcome]) -> Self {
+    pub fn new(expectation: &Expectation, runs: &[RunOutcome]) -> Self {
         let measure = &expectation.measure;
         let mut values: Vec<f64> =
             runs.iter().filter_map(|run| run.values.get(measure)).filter(|v| !v.is_nan()).collect();
@@ -84,14 +84,14 @@ pub fn number(value: f64) -> String {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
     use super::*;
-    use crate::measure::{Measure, Values};
+    use crate::measure::{Measure, MeasuredValues};
 
-    fn run(value: Option<f64>) -> Outcome {
-        let mut values = Values::default();
+    fn run(value: Option<f64>) -> RunOutcome {
+        let mut values = MeasuredValues::default();
         if let Some(value) = value {
             values.insert(Measure::LossToStopMs, value);
         }
-        Outcome { values, ..Outcome::default() }
+        RunOutcome { values, ..RunOutcome::default() }
     }
 
     #[test]

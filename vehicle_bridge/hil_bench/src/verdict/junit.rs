@@ -6,7 +6,7 @@ use svg_page::escape;
 
 use super::{Distribution, Tested, Verdict, number, word};
 use crate::bench::Bench;
-use crate::run::Outcome;
+use crate::run::RunOutcome;
 
 /// JUnit XML, as Jenkins and Surefire read it. What was tested and the distributions are properties
 /// of the suites; the values of a run against its limits are the case's `system-out`.
@@ -63,7 +63,7 @@ fn suite(verdict: &Verdict<'_>, tested: &Tested, xml: &mut String) {
 }
 
 /// Failure and values of a run.
-fn case(run: &Outcome, distributions: &[Distribution]) -> String {
+fn case(run: &RunOutcome, distributions: &[Distribution]) -> String {
     let mut inside = String::new();
     let broken = escape(&run.broken.join("; "));
     if !broken.is_empty() {

@@ -16,7 +16,7 @@ pub use record::json;
 pub use tested::Tested;
 
 use super::bench::Scenario;
-use super::run::Outcome;
+use super::run::RunOutcome;
 
 /// A scenario and its runs.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ pub struct Verdict<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// Its runs by seed.
-    pub runs: Vec<Outcome>,
+    pub runs: Vec<RunOutcome>,
 }
 
 impl Verdict<'_> {
@@ -48,7 +48,7 @@ impl Verdict<'_> {
     }
 
     /// The run that is shown: the first that failed, else the first.
-    fn shown(&self) -> Option<&Outcome> {
+    fn shown(&self) -> Option<&RunOutcome> {
         self.runs.iter().find(|run| !run.broken.is_empty()).or(self.runs.first())
     }
 

@@ -4,7 +4,7 @@ use svg_page::panels::{Curve, Instant, Panel, Panels, Span};
 
 use super::{Verdict, number};
 use crate::measure::{Expectation, Measure};
-use crate::run::Outcome;
+use crate::run::RunOutcome;
 use crate::timeline::{Since, Timeline};
 
 /// States in which the car is stopped or held, drawn darker.
@@ -12,7 +12,7 @@ const STOPPED: [&str; 8] =
     ["SAFE_STOP", "FAULT", "ESTOP", "stop", "FALLBACK", "INFEASIBLE", "NUMERIC", "TIMEOUT"];
 
 /// The drawing of a run; empty if it has no timeline.
-pub(super) fn drawing(verdict: &Verdict<'_>, run: &Outcome) -> String {
+pub(super) fn drawing(verdict: &Verdict<'_>, run: &RunOutcome) -> String {
     let timeline = &run.timeline;
     if timeline.is_empty() {
         return String::new();
@@ -37,7 +37,7 @@ pub(super) fn drawing(verdict: &Verdict<'_>, run: &Outcome) -> String {
 }
 
 /// When a reaction was due and when it came.
-fn instants(verdict: &Verdict<'_>, run: &Outcome, to: f64) -> Vec<Instant> {
+fn instants(verdict: &Verdict<'_>, run: &RunOutcome, to: f64) -> Vec<Instant> {
     let mut instants = Vec::new();
     for Expectation { measure, most, .. } in &verdict.scenario.expectations {
         let (words, unit) = measure.words();
@@ -64,7 +64,7 @@ fn panels(timeline: &Timeline, verdict: &Verdict<'_>, to: f64) -> Vec<Panel> {
         curves: vec![Curve { class: String::new(), points, steps }],
         references: Vec::new(),
     };
-    let car = |value: fn(&crate::timeline::Driven) -> f64| {
+    let car = |value: fn(&crate::timeline::CarSample) -> f64| {
         timeline.car.iter().map(|p| (p.time_s, value(p))).collect::<Vec<_>>()
     };
     let applied = |value: fn(&crate::timeline::Applied) -> f64| {

@@ -7,5 +7,5 @@ mod request;
 mod server;
 mod stream;
 
-pub use orders::{Give, Order, Orders};
+pub use orders::{Give, OrderRequest, Orders};
 pub use server::{Server, ServerOptions};

@@ -5,7 +5,7 @@ use serde::Deserialize;
 /// An order, named as `lmpc operator` names it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Order {
+pub struct OrderRequest {
     /// `arm`, `disarm`, `start`, `stop`, `estop`, `reset` or `speed-cap`.
     pub order: String,
     /// Of `speed-cap` the speed; 0 takes it away. \[m/s\]
@@ -14,7 +14,7 @@ pub struct Order {
 }
 
 /// Gives an order to the network and returns the answers, or why it was not followed.
-pub type Give = Box<dyn Fn(&Order) -> Result<String, String> + Send + Sync>;
+pub type Give = Box<dyn Fn(&OrderRequest) -> Result<String, String> + Send + Sync>;
 
 /// Who may order, and who carries it out.
 pub struct Orders {

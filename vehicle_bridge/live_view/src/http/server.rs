@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 
-use super::orders::{Order, Orders};
+use super::orders::{OrderRequest, Orders};
 use super::request::{self, Request};
 use super::{files, guard, stream};
 use crate::view::View;
@@ -164,7 +164,8 @@ fn order(shared: &Shared, request: &Request) -> Result<(&'static str, String), R
     if request.origin.is_none() || !guard::equal(token, &orders.token) {
         return Err(Refused::Forbidden);
     }
-    let order: Order = serde_json::from_slice(&request.body).map_err(|_| Refused::Malformed)?;
+    let order: OrderRequest =
+        serde_json::from_slice(&request.body).map_err(|_| Refused::Malformed)?;
     Ok(match (orders.give)(&order) {
         Ok(text) => ("200 OK", text),
         Err(text) => ("409 Conflict", text),

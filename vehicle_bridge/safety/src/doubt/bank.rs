@@ -9,8 +9,8 @@
 use vehicle_model::{Input, State};
 
 use super::super::rules::Rules;
-use super::response::{GRIPS, LAGS, Response};
-use super::{DoubtLimits, Finding, Suspicion};
+use super::response::{GRIPS, LAGS, ResponseModels};
+use super::{DoubtFinding, DoubtLimits, Suspicion};
 use crate::stop;
 
 /// The window's time constant. \[s\]
@@ -123,14 +123,14 @@ impl Bank {
         rules: &Rules,
         limits: &DoubtLimits,
         (before, x): (&State, &State),
-        response: &Response,
+        response: &ResponseModels,
         dt: f64,
-    ) -> Finding {
+    ) -> DoubtFinding {
         let lagged = response.lagged();
         let input = lagged[0];
         if !(dt > 0.0 && dt < GAP) {
             *self = Self::default();
-            return Finding::default();
+            return DoubtFinding::default();
         }
         let kept = (-dt / WINDOW).exp();
         let moved = Input { delta: input.delta + PROBE, ..input };
@@ -170,7 +170,7 @@ impl Bank {
         limits: &DoubtLimits,
         counts: [bool; GRIPS.len()],
         dt: f64,
-    ) -> Finding {
+    ) -> DoubtFinding {
         let steering = self.steering;
         let lines = || {
             let counted = steering.iter().zip(counts).filter(|(_, counts)| *counts);
@@ -201,8 +201,8 @@ impl Bank {
         self.runaway = step(self.runaway, runaway);
         self.biased =
             (self.biased + (biased.max(0.0) - 1.0) * dt / limits.patience).clamp(0.0, MOST);
-        Finding { what: Suspicion::Steering, level: self.stuck.max(self.biased) }
-            .or(Finding { what: Suspicion::Drive, level: self.runaway })
+        DoubtFinding { what: Suspicion::Steering, level: self.stuck.max(self.biased) }
+            .or(DoubtFinding { what: Suspicion::Drive, level: self.runaway })
     }
 
     /// What is wrong with a steering that is doubted, by the hypothesis that leaves least.

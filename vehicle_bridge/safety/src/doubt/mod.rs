@@ -19,7 +19,7 @@ use vehicle_model::{Input, State};
 use super::rules::Rules;
 use bank::Bank;
 use motion::Motion;
-use response::Response;
+use response::ResponseModels;
 
 /// What is doubted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, thiserror::Error)]
@@ -67,14 +67,14 @@ pub enum Reaction {
 
 /// The worst doubt after a state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Finding {
+pub struct DoubtFinding {
     /// What.
     pub what: Suspicion,
     /// 0 agreement, 1 the limit. \[-\]
     pub level: f64,
 }
 
-impl Finding {
+impl DoubtFinding {
     /// What is done about it.
     #[must_use]
     pub fn reaction(&self) -> Reaction {
@@ -95,11 +95,11 @@ impl Finding {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Doubt {
     motion: Motion,
-    response: Response,
+    response: ResponseModels,
     bank: Bank,
     /// Reckoned on while the states are doubted, else the last state.
     trusted: Option<State>,
-    pub(super) finding: Finding,
+    pub(super) finding: DoubtFinding,
 }
 
 impl Doubt {
@@ -111,7 +111,7 @@ impl Doubt {
         (before, x): (&State, &State),
         applied: Input,
         dt: f64,
-    ) -> Finding {
+    ) -> DoubtFinding {
         let motion = self.motion.on_state(rules, limits, before, x, dt);
         let response = self.response.on_state(rules, limits, x, applied, dt);
         let bank = self.bank.on_state(rules, limits, (before, x), &self.response, dt);

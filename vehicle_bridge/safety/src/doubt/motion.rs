@@ -3,7 +3,7 @@
 use vehicle_model::State;
 
 use super::super::rules::Rules;
-use super::{DoubtLimits, Finding, Suspicion};
+use super::{DoubtFinding, DoubtLimits, Suspicion};
 
 /// Disagreements are forgotten with this time constant. \[s\]
 const FORGET: f64 = 1.0;
@@ -22,7 +22,7 @@ impl Motion {
         before: &State,
         x: &State,
         dt: f64,
-    ) -> Finding {
+    ) -> DoubtFinding {
         let track = &rules.track;
         let length = track.length();
         let way = (x.s - before.s + 0.5 * length).rem_euclid(length) - 0.5 * length;
@@ -56,7 +56,7 @@ impl Motion {
             + FORGET * limits.speed_share * x.omega_z.abs();
         let [a, b, c] = self.0;
         let position = (a.abs() / along).max(b.abs() / across);
-        Finding { what: Suspicion::Position, level: position }
-            .or(Finding { what: Suspicion::Heading, level: c.abs() / heading })
+        DoubtFinding { what: Suspicion::Position, level: position }
+            .or(DoubtFinding { what: Suspicion::Heading, level: c.abs() / heading })
     }
 }

@@ -5,7 +5,7 @@ use vehicle_model::{Input, State};
 
 use super::super::rules::Rules;
 use super::super::stop;
-use super::{DoubtLimits, Finding, Suspicion};
+use super::{DoubtFinding, DoubtLimits, Suspicion};
 
 /// Shares of the grip that a car may have without a fault. \[-\]
 pub(crate) const GRIPS: [f64; 3] = [1.0, 0.7, 0.45];
@@ -30,7 +30,7 @@ const MOST: f64 = 1.5;
 
 /// Models of the car, one for each hypothesis, and the sums of their disagreements.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Response {
+pub(super) struct ResponseModels {
     models: Option<[[State; LAGS.len()]; GRIPS.len()]>,
     /// The input as the actuators have it by now.
     input: Input,
@@ -43,7 +43,7 @@ pub(super) struct Response {
     steering: f64,
 }
 
-impl Response {
+impl ResponseModels {
     /// The input behind each lag.
     pub(super) fn lagged(&self) -> &[Input; LAGS.len()] {
         &self.lagged
@@ -77,13 +77,13 @@ impl Response {
         x: &State,
         sent: Input,
         dt: f64,
-    ) -> Finding {
+    ) -> DoubtFinding {
         let car = &rules.rolling.params;
         self.follow(rules, sent, dt);
         let Some(mut models) = self.models.filter(|_| dt < GAP) else {
             let (models, lagged) = ([[*x; LAGS.len()]; GRIPS.len()], [sent; LAGS.len()]);
             *self = Self { models: Some(models), input: sent, lagged, ..Self::default() };
-            return Finding::default();
+            return DoubtFinding::default();
         };
         let mut steering = f64::INFINITY;
         let mut drive = f64::INFINITY;
@@ -114,7 +114,7 @@ impl Response {
         };
         self.drive = add(self.drive, drive);
         self.steering = if x.v_x > SLOW { add(self.steering, steering) } else { 0.0 };
-        Finding { what: Suspicion::Drive, level: self.drive }
-            .or(Finding { what: Suspicion::Steering, level: self.steering })
+        DoubtFinding { what: Suspicion::Drive, level: self.drive }
+            .or(DoubtFinding { what: Suspicion::Steering, level: self.steering })
     }
 }

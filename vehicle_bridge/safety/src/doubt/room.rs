@@ -5,7 +5,7 @@ use vehicle_model::{Input, State, Track};
 use super::super::hold::Hold;
 use super::super::rules::Rules;
 use super::super::stop;
-use super::{DoubtLimits, Finding, Suspicion};
+use super::{DoubtFinding, DoubtLimits, Suspicion};
 
 /// A race on the edge of the track cannot everywhere be stopped inside it: that is reported, no more.
 /// \[-\]
@@ -32,17 +32,17 @@ fn edge(track: &Track, s: f64, e_y: f64) -> f64 {
 }
 
 /// The rules that look at the place alone.
-pub(super) fn here(rules: &Rules, limits: &DoubtLimits, x: &State) -> Finding {
+pub(super) fn here(rules: &Rules, limits: &DoubtLimits, x: &State) -> DoubtFinding {
     let off = beyond(rules, x) / limits.edge;
-    let off = Finding { what: Suspicion::OffTrack, level: off.max(0.0) };
-    off.or(Finding { what: Suspicion::WrongWay, level: x.e_psi.abs() / limits.heading })
+    let off = DoubtFinding { what: Suspicion::OffTrack, level: off.max(0.0) };
+    off.or(DoubtFinding { what: Suspicion::WrongWay, level: x.e_psi.abs() / limits.heading })
 }
 
 /// The rules of the place, now and at the end of a stop that begins now.
-pub(super) fn finding(rules: &Rules, limits: &DoubtLimits, x: &State) -> Finding {
+pub(super) fn finding(rules: &Rules, limits: &DoubtLimits, x: &State) -> DoubtFinding {
     let here = here(rules, limits, x);
     let stopped = beyond_at_stop(rules, x) / limits.stop_edge;
-    here.or(Finding { what: Suspicion::Overspeed, level: stopped.clamp(0.0, REPORTED) })
+    here.or(DoubtFinding { what: Suspicion::Overspeed, level: stopped.clamp(0.0, REPORTED) })
 }
 
 /// How far a safe stop takes the centre of mass beyond the edge, negative inside. \[m\]

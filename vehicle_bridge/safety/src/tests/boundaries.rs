@@ -17,7 +17,7 @@ impl Core {
         Self { rules, safety: Safety::default() }
     }
 
-    fn on(&mut self, event: Event<'_>, at_ns: i64) -> Output {
+    fn on(&mut self, event: BridgeEvent<'_>, at_ns: i64) -> Output {
         let (next, output) = step(&self.rules, &self.safety, &event, at_ns);
         self.safety = next;
         output
@@ -25,7 +25,7 @@ impl Core {
 
     fn order(&mut self, kind: OrderKind, at_ns: i64) -> Answer {
         let order = Order { kind, token: token(9), deadman: false, fresh: token(9) };
-        self.on(Event::Order(order), at_ns).answer
+        self.on(BridgeEvent::Order(order), at_ns).answer
     }
 
     fn arm(&mut self, at_ns: i64) -> Answer {
@@ -34,7 +34,7 @@ impl Core {
 
     /// Good states from 0 on, each 50 ms, the last one at this time.
     fn states(&mut self, until_ns: i64) {
-        let still = Event::State(State::default(), 2);
+        let still = BridgeEvent::State(State::default(), 2);
         for at_ns in (0..until_ns).step_by(50 * MS as usize).chain([until_ns]) {
             self.on(still, at_ns);
         }
@@ -42,8 +42,8 @@ impl Core {
 
     /// The controller's heartbeat and setup.
     fn controller(&mut self, at_ns: i64) {
-        self.on(Event::Heartbeat(CONTROLLER), at_ns);
-        self.on(Event::Setup(CONTROLLER, self.rules.setup), at_ns);
+        self.on(BridgeEvent::Heartbeat(CONTROLLER), at_ns);
+        self.on(BridgeEvent::Setup(CONTROLLER, self.rules.setup), at_ns);
     }
 
     /// RUNNING at 2 s, the state with number 3 published then.
@@ -51,7 +51,7 @@ impl Core {
         let mut core = Self::new();
         core.states(NOW);
         core.controller(NOW);
-        core.on(Event::Published(number(3)), NOW);
+        core.on(BridgeEvent::Published(number(3)), NOW);
         assert_eq!(core.arm(NOW), Answer::Accepted);
         assert_eq!(core.order(OrderKind::Start, NOW), Answer::Accepted);
         core
@@ -78,7 +78,7 @@ fn command() -> DecodedCommand {
 fn answer(change: impl FnOnce(&mut DecodedCommand), at_ns: i64) -> Answer {
     let (mut core, mut offer) = (Core::running(), command());
     change(&mut offer);
-    core.on(Event::Command(&offer), at_ns).answer
+    core.on(BridgeEvent::Command(&offer), at_ns).answer
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn numbers_of_commands_and_their_rate() {
     let mut core = Core::running();
     let mut say = |seq: i64| {
         let offer = DecodedCommand { seq: number(seq), ..command() };
-        core.on(Event::Command(&offer), NOW).answer
+        core.on(BridgeEvent::Command(&offer), NOW).answer
     };
     let sequence = Answer::Rejected(Reject::Sequence);
     assert_eq!(say(10), Answer::Accepted);
@@ -185,7 +185,7 @@ fn a_start_without_commands_ends() {
         let mut core = Core::running();
         core.states(NOW + by_ns);
         for at_ns in [NOW + by_ns - 1, NOW + by_ns] {
-            core.on(Event::Tick, at_ns);
+            core.on(BridgeEvent::Tick, at_ns);
         }
         core.safety.bridge_state()
     };
@@ -209,15 +209,15 @@ fn what_is_sent_changes_by_a_ticks_share_and_no_more() {
     let sent = |a: f64, delta: f64| {
         let mut core = Core::running();
         // The brake that holds the car is let go first.
-        core.on(Event::Tick, NOW);
+        core.on(BridgeEvent::Tick, NOW);
         for (n, input) in [(1, Input::default()), (2, Input::default()), (3, Input { a, delta })] {
             let at_ns = NOW + n * 10 * MS;
-            core.on(Event::State(State::default(), 2), at_ns);
-            core.on(Event::Published(number(3 + n)), at_ns);
+            core.on(BridgeEvent::State(State::default(), 2), at_ns);
+            core.on(BridgeEvent::Published(number(3 + n)), at_ns);
             let (seq, answers, at) = (number(n), Some(number(3 + n)), time(at_ns));
             let offer = DecodedCommand { seq, answers, arrival: at, since: at, input, ..command() };
-            assert_eq!(core.on(Event::Command(&offer), at_ns).answer, Answer::Accepted);
-            let output = core.on(Event::Tick, at_ns);
+            assert_eq!(core.on(BridgeEvent::Command(&offer), at_ns).answer, Answer::Accepted);
+            let output = core.on(BridgeEvent::Tick, at_ns);
             if n == 2 {
                 assert_eq!(output.applied.sent, Input::default(), "from rest");
             }

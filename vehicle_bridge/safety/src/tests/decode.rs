@@ -56,15 +56,18 @@ fn running(rules: &Rules) -> Safety {
     };
     let first = DecodedCommand { arrival: time(NOW), since: time(NOW), ..first };
     let events = [
-        (Event::State(State::default(), 2), NOW - 100 * MS),
-        (Event::State(State::default(), 2), NOW),
-        (Event::Heartbeat(CONTROLLER), NOW),
-        (Event::Setup(CONTROLLER, rules.setup), NOW),
-        (Event::Published(number(6)), NOW - 9 * MS),
-        (Event::Published(number(7)), NOW - 8 * MS),
-        (Event::Order(order(OrderKind::Arm { moving: false, controller: BootId::NONE })), NOW),
-        (Event::Order(order(OrderKind::Start)), NOW),
-        (Event::Command(&first), NOW),
+        (BridgeEvent::State(State::default(), 2), NOW - 100 * MS),
+        (BridgeEvent::State(State::default(), 2), NOW),
+        (BridgeEvent::Heartbeat(CONTROLLER), NOW),
+        (BridgeEvent::Setup(CONTROLLER, rules.setup), NOW),
+        (BridgeEvent::Published(number(6)), NOW - 9 * MS),
+        (BridgeEvent::Published(number(7)), NOW - 8 * MS),
+        (
+            BridgeEvent::Order(order(OrderKind::Arm { moving: false, controller: BootId::NONE })),
+            NOW,
+        ),
+        (BridgeEvent::Order(order(OrderKind::Start)), NOW),
+        (BridgeEvent::Command(&first), NOW),
     ];
     let mut safety = Safety::default();
     for (event, now) in events {
@@ -80,7 +83,7 @@ fn running(rules: &Rules) -> Safety {
 fn receive(bytes: &[u8]) -> Result<(), Reject> {
     let rules = rules_here();
     let offer = decode(bytes, time(NOW), &rules, HERE)?;
-    let (safety, output) = step(&rules, &running(&rules), &Event::Command(&offer), NOW);
+    let (safety, output) = step(&rules, &running(&rules), &BridgeEvent::Command(&offer), NOW);
     match output.answer {
         Answer::Rejected(reject) => {
             assert_eq!(safety.command(), None, "refused, yet in force");

@@ -68,16 +68,16 @@ fn drive_as(
     let noise = Normal::new(0.0, noise).unwrap();
     let mut safety = Safety::default();
     let mut now = MS;
-    let mut tell = |event: &Event<'_>, now: i64| {
+    let mut tell = |event: &BridgeEvent<'_>, now: i64| {
         let (next, output) = step(&rules, &safety, event, now);
         safety = next;
         (safety, output)
     };
     let order =
-        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
-    tell(&Event::State(State::default(), 2), now);
-    tell(&Event::Heartbeat(CONTROLLER), now);
-    tell(&Event::Setup(CONTROLLER, rules.setup), now);
+        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+    tell(&BridgeEvent::State(State::default(), 2), now);
+    tell(&BridgeEvent::Heartbeat(CONTROLLER), now);
+    tell(&BridgeEvent::Setup(CONTROLLER, rules.setup), now);
     tell(&order(OrderKind::Arm { moving: false, controller: BootId::NONE }), now);
     tell(&order(OrderKind::Start), now);
     let mut held = Input::default();
@@ -124,8 +124,8 @@ fn drive_as(
         seen = x;
         let silent = begun.is_some() && fault == Fault::NoStates;
         if !silent {
-            tell(&Event::State(x, 2), now);
-            tell(&Event::Published(number(n)), now);
+            tell(&BridgeEvent::State(x, 2), now);
+            tell(&BridgeEvent::Published(number(n)), now);
             let input = follow(&rules, &x, speed);
             let offer = DecodedCommand {
                 boot_id: CONTROLLER,
@@ -139,9 +139,9 @@ fn drive_as(
                 valid_for_ns: 100 * MS,
                 ..DecodedCommand::default()
             };
-            tell(&Event::Command(&offer), now);
+            tell(&BridgeEvent::Command(&offer), now);
         }
-        let (safety, output) = tell(&Event::Tick, now);
+        let (safety, output) = tell(&BridgeEvent::Tick, now);
         held = output.applied.sent;
         drive.creeps = safety.creeps();
         if begun.is_none() {

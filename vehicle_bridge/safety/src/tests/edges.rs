@@ -81,19 +81,19 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
     let mut rules = rules();
     (rules.limiter.a_rate_max, rules.limiter.a_min) = (f64::INFINITY, -50.0);
     let mut safety = Safety::default();
-    let mut tell = |event: Event<'_>, at_ms: i64| {
+    let mut tell = |event: BridgeEvent<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
         output
     };
     let order =
-        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
-    let moving = Event::State(State { v_x: 2.0, ..State::default() }, 2);
+        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+    let moving = BridgeEvent::State(State { v_x: 2.0, ..State::default() }, 2);
     tell(moving, 900);
     tell(moving, 1000);
-    tell(Event::Heartbeat(CONTROLLER), 1000);
-    tell(Event::Setup(CONTROLLER, rules.setup), 1000);
-    tell(Event::Published(number(3)), 1000);
+    tell(BridgeEvent::Heartbeat(CONTROLLER), 1000);
+    tell(BridgeEvent::Setup(CONTROLLER, rules.setup), 1000);
+    tell(BridgeEvent::Published(number(3)), 1000);
     tell(order(OrderKind::SpeedCap(1.5)), 1000);
     tell(order(OrderKind::Arm { moving: true, controller: BootId::NONE }), 1000);
     tell(order(OrderKind::Start), 1000);
@@ -105,10 +105,10 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
         input: Input { a: 1.0, delta: 0.0 },
         ..offer()
     };
-    assert_eq!(tell(Event::Command(&offer), 1000).answer, Answer::Accepted);
+    assert_eq!(tell(BridgeEvent::Command(&offer), 1000).answer, Answer::Accepted);
     // What is left of the cap in half a second tells the speed it is reckoned to have.
     let mut speed = |at_ms: i64| {
-        let output = tell(Event::Tick, at_ms);
+        let output = tell(BridgeEvent::Tick, at_ms);
         assert!(output.applied.by(Limit::SpeedCap));
         1.5 - 0.5 * output.applied.sent.a
     };
@@ -116,7 +116,7 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
     // It brakes with 1 m/s^2: after 10 ms without a state, and 4 ms after one.
     assert!((speed(1010) - 1.99).abs() < 1e-12);
     tell(moving, 1016);
-    let mut speed = |at_ms: i64| 1.5 - 0.5 * tell(Event::Tick, at_ms).applied.sent.a;
+    let mut speed = |at_ms: i64| 1.5 - 0.5 * tell(BridgeEvent::Tick, at_ms).applied.sent.a;
     assert!((speed(1020) - (2.0 - 0.98 * 0.004)).abs() < 1e-12);
 }
 
@@ -124,24 +124,24 @@ fn between_two_states_the_car_is_reckoned_on_from_the_last_one() {
 fn an_input_that_came_late_is_followed_by_as_much_less() {
     let rules = rules();
     let mut safety = Safety::default();
-    let mut tell = |event: Event<'_>, at_ms: i64| {
+    let mut tell = |event: BridgeEvent<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
         output.applied.sent.a
     };
-    tell(Event::State(State { v_x: 3.0, ..State::default() }, 2), 1000);
+    tell(BridgeEvent::State(State { v_x: 3.0, ..State::default() }, 2), 1000);
     // It brakes as fast as the jerk limit of 20 m/s^3 lets it.
     let near = |a: f64, expected: f64| assert!((a - expected).abs() < 1e-12, "{a} {expected}");
-    near(tell(Event::Tick, 1000), -0.2);
-    near(tell(Event::Sent, 1000), -0.2);
-    near(tell(Event::Tick, 1010), -0.4);
+    near(tell(BridgeEvent::Tick, 1000), -0.2);
+    near(tell(BridgeEvent::Sent, 1000), -0.2);
+    near(tell(BridgeEvent::Tick, 1010), -0.4);
     // Held up for 6 ms: the car has 4 ms of the next tick.
-    tell(Event::Sent, 1016);
-    near(tell(Event::Tick, 1020), -0.48);
+    tell(BridgeEvent::Sent, 1016);
+    near(tell(BridgeEvent::Tick, 1020), -0.48);
     // Of the tick before, if nobody says when the car had it.
-    near(tell(Event::Tick, 1030), -0.68);
-    tell(Event::Sent, 1045);
-    near(tell(Event::Tick, 1050), -0.78);
+    near(tell(BridgeEvent::Tick, 1030), -0.68);
+    tell(BridgeEvent::Sent, 1045);
+    near(tell(BridgeEvent::Tick, 1050), -0.78);
 }
 
 #[test]
@@ -178,9 +178,10 @@ fn a_car_stands_below_the_limit_and_not_at_it() {
     let rules = rules();
     let arm = |speed: f64| {
         let moving = State { v_x: 0.6 * speed, v_y: 0.8 * speed, ..State::default() };
-        let (safety, _) = step(&rules, &Safety::default(), &Event::State(moving, 2), MS);
+        let (safety, _) = step(&rules, &Safety::default(), &BridgeEvent::State(moving, 2), MS);
         let kind = OrderKind::Arm { moving: false, controller: BootId::NONE };
-        let order = Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(1) });
+        let order =
+            BridgeEvent::Order(Order { kind, token: token(0), deadman: false, fresh: token(1) });
         step(&rules, &safety, &order, MS).1.answer
     };
     let at = State { v_x: 0.6 * rules.still, v_y: 0.8 * rules.still, ..State::default() };
@@ -194,20 +195,20 @@ fn a_car_stands_below_the_limit_and_not_at_it() {
 fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     let rules = rules();
     let mut safety = Safety::default();
-    let mut tell = |event: Event<'_>, at_ms: i64| {
+    let mut tell = |event: BridgeEvent<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
         (safety, output.answer)
     };
     let order =
-        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     let arm = OrderKind::Arm { moving: false, controller: BootId::NONE };
-    let still = Event::State(State::default(), 2);
+    let still = BridgeEvent::State(State::default(), 2);
     tell(still, 900);
     tell(still, 1000);
-    tell(Event::Setup(CONTROLLER, rules.setup), 1000);
-    tell(Event::Heartbeat(OTHER), 1000);
-    tell(Event::Heartbeat(CONTROLLER), 1000);
+    tell(BridgeEvent::Setup(CONTROLLER, rules.setup), 1000);
+    tell(BridgeEvent::Heartbeat(OTHER), 1000);
+    tell(BridgeEvent::Heartbeat(CONTROLLER), 1000);
     let two = Denied::Controllers(CONTROLLER, OTHER);
     assert_eq!(tell(order(arm), 1000).1, Answer::Denied(two), "of two, none by itself");
     let chosen = |controller| order(OrderKind::Arm { moving: false, controller });
@@ -218,23 +219,26 @@ fn a_second_controllers_life_signs_change_nothing_while_the_first_is_armed() {
     let refused = Answer::Rejected(Reject::Boot);
     for (n, at_ms) in (1010..=1150).step_by(10).enumerate() {
         tell(still, at_ms);
-        let (safety, answer) = tell(Event::Heartbeat(OTHER), at_ms);
+        let (safety, answer) = tell(BridgeEvent::Heartbeat(OTHER), at_ms);
         assert_eq!((safety.bridge_state(), answer), (BridgeState::Armed, refused));
-        assert_eq!(safety.counts(), Counts { old: n as i64 + 1, ..Counts::default() });
+        assert_eq!(
+            safety.counts(),
+            CommandCounts { old: n as i64 + 1, ..CommandCounts::default() }
+        );
     }
     // The armed controller's are missed as without it.
-    let (safety, answer) = tell(Event::Heartbeat(OTHER), 1151);
+    let (safety, answer) = tell(BridgeEvent::Heartbeat(OTHER), 1151);
     assert_eq!(
         (safety.bridge_state(), safety.stop_reason()),
         (BridgeState::Idle, StopReason::Heartbeat)
     );
     assert_eq!(answer, Answer::None, "in IDLE each is taken");
-    tell(Event::Setup(OTHER, rules.setup), 1152);
+    tell(BridgeEvent::Setup(OTHER, rules.setup), 1152);
     let arm = OrderKind::Arm { moving: false, controller: OTHER };
     assert_eq!(tell(order(arm), 1152).1, Answer::Accepted);
     assert_eq!(tell(order(OrderKind::Start), 1153).1, Answer::Accepted);
-    assert_eq!(tell(Event::Heartbeat(CONTROLLER), 1154).1, refused, "nor while it drives");
-    assert_eq!(tell(Event::Heartbeat(OTHER), 1155).1, Answer::None);
+    assert_eq!(tell(BridgeEvent::Heartbeat(CONTROLLER), 1154).1, refused, "nor while it drives");
+    assert_eq!(tell(BridgeEvent::Heartbeat(OTHER), 1155).1, Answer::None);
 }
 
 #[test]
@@ -252,16 +256,16 @@ fn a_state_is_called_by_its_number() {
 fn running(rules: &Rules) -> Safety {
     let mut safety = Safety::default();
     let order =
-        |kind| Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
+        |kind| BridgeEvent::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
     let start = Order { kind: OrderKind::Start, token: token(9), deadman: false, fresh: token(9) };
-    let still = Event::State(State::default(), 2);
+    let still = BridgeEvent::State(State::default(), 2);
     for (event, at_ms) in [
         (still, 900),
         (still, 1000),
-        (Event::Heartbeat(CONTROLLER), 1000),
-        (Event::Setup(CONTROLLER, rules.setup), 1000),
+        (BridgeEvent::Heartbeat(CONTROLLER), 1000),
+        (BridgeEvent::Setup(CONTROLLER, rules.setup), 1000),
         (order(OrderKind::Arm { moving: false, controller: BootId::NONE }), 1000),
-        (Event::Order(start), 1000),
+        (BridgeEvent::Order(start), 1000),
     ] {
         safety = step(rules, &safety, &event, at_ms * MS).0;
     }
@@ -274,14 +278,19 @@ fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
     let rules = rules();
     let mut safety = running(&rules);
     let start = |deadman| {
-        Event::Order(Order { kind: OrderKind::Start, token: token(9), deadman, fresh: token(9) })
+        BridgeEvent::Order(Order {
+            kind: OrderKind::Start,
+            token: token(9),
+            deadman,
+            fresh: token(9),
+        })
     };
-    let mut tell = |event: Event<'_>, at_ms: i64| {
+    let mut tell = |event: BridgeEvent<'_>, at_ms: i64| {
         let (next, output) = step(&rules, &safety, &event, at_ms * MS);
         safety = next;
         (safety.bridge_state(), safety.stop_reason(), output.answer)
     };
-    let still = Event::State(State::default(), 2);
+    let still = BridgeEvent::State(State::default(), 2);
     assert_eq!(tell(start(false), 1010).0, BridgeState::Running, "repeated");
     assert_eq!(tell(start(true), 1020), (BridgeState::Running, StopReason::None, Answer::Accepted));
     tell(still, 1100);
@@ -293,15 +302,15 @@ fn a_dead_mans_switch_claimed_after_the_start_is_in_force() {
 fn a_bridge_that_ends_stops_the_car_first() {
     let rules = rules();
     let safety = running(&rules);
-    let ended = step(&rules, &safety, &Event::End, 1010 * MS).0;
+    let ended = step(&rules, &safety, &BridgeEvent::End, 1010 * MS).0;
     assert_eq!(
         (ended.bridge_state(), ended.stop_reason()),
         (BridgeState::SafeStop, StopReason::End)
     );
     assert_eq!((ended.token().get(), ended.counts().stops), (0, 1));
     let order =
-        |kind| Event::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
-    let idle = step(&rules, &ended, &Event::Tick, 1011 * MS).0;
+        |kind| BridgeEvent::Order(Order { kind, token: token(0), deadman: false, fresh: token(9) });
+    let idle = step(&rules, &ended, &BridgeEvent::Tick, 1011 * MS).0;
     assert_eq!(idle.bridge_state(), BridgeState::Idle, "it stands");
     let armed = step(
         &rules,
@@ -311,9 +320,12 @@ fn a_bridge_that_ends_stops_the_car_first() {
     )
     .0;
     assert_eq!(armed.bridge_state(), BridgeState::Armed);
-    assert_eq!(step(&rules, &armed, &Event::End, 1013 * MS).0.bridge_state(), BridgeState::Idle);
+    assert_eq!(
+        step(&rules, &armed, &BridgeEvent::End, 1013 * MS).0.bridge_state(),
+        BridgeState::Idle
+    );
     let stopped = step(&rules, &armed, &order(OrderKind::Estop), 1013 * MS).0;
-    assert_eq!(step(&rules, &stopped, &Event::End, 1014 * MS).0, stopped, "it stays latched");
+    assert_eq!(step(&rules, &stopped, &BridgeEvent::End, 1014 * MS).0, stopped, "it stays latched");
 }
 
 #[test]
@@ -321,14 +333,16 @@ fn a_controller_is_armed_only_with_the_bridges_own_setup() {
     let mut rules = rules();
     rules.setup.config_id = 4;
     let mut idle = Safety::default();
-    let still = Event::State(State::default(), 2);
-    for (event, at_ms) in [(still, 900), (still, 1000), (Event::Heartbeat(CONTROLLER), 1000)] {
+    let still = BridgeEvent::State(State::default(), 2);
+    for (event, at_ms) in [(still, 900), (still, 1000), (BridgeEvent::Heartbeat(CONTROLLER), 1000)]
+    {
         idle = step(&rules, &idle, &event, at_ms * MS).0;
     }
     let arm = OrderKind::Arm { moving: false, controller: BootId::NONE };
-    let arm = Event::Order(Order { kind: arm, token: token(0), deadman: false, fresh: token(9) });
+    let arm =
+        BridgeEvent::Order(Order { kind: arm, token: token(0), deadman: false, fresh: token(9) });
     let armed = |setup: Setup| {
-        let told = step(&rules, &idle, &Event::Setup(CONTROLLER, setup), 1000 * MS).0;
+        let told = step(&rules, &idle, &BridgeEvent::Setup(CONTROLLER, setup), 1000 * MS).0;
         match step(&rules, &told, &arm, 1000 * MS).1.answer {
             Answer::Denied(denied) => word(&denied),
             answer => word(&answer),

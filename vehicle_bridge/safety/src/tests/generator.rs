@@ -54,7 +54,7 @@ enum Plan {
 pub(super) enum Said {
     /// A command, and what was done to it.
     Command(Box<DecodedCommand>, Option<Reject>),
-    Other(Event<'static>),
+    Other(BridgeEvent<'static>),
 }
 
 /// A token that is not this one.
@@ -206,7 +206,7 @@ impl Generator {
         (said, now)
     }
 
-    fn other(&mut self, plan: Plan, rules: &Rules, model: &Model) -> Event<'static> {
+    fn other(&mut self, plan: Plan, rules: &Rules, model: &Model) -> BridgeEvent<'static> {
         let odd = self.once_in(12);
         match plan {
             Plan::State => {
@@ -226,9 +226,9 @@ impl Generator {
                     2 | 3 if bad => (v_x, 1),
                     _ => (v_x, 2),
                 };
-                Event::State(State { v_x, s, ..State::default() }, quality)
+                BridgeEvent::State(State { v_x, s, ..State::default() }, quality)
             }
-            Plan::Heartbeat => Event::Heartbeat(if odd { OTHER } else { self.sender }),
+            Plan::Heartbeat => BridgeEvent::Heartbeat(if odd { OTHER } else { self.sender }),
             Plan::Setup => {
                 let mut setup = rules.setup;
                 if odd {
@@ -241,13 +241,13 @@ impl Generator {
                     ];
                     places.into_iter().nth(way).into_iter().for_each(|id| *id += 1);
                 }
-                Event::Setup(if self.once_in(12) { OTHER } else { self.sender }, setup)
+                BridgeEvent::Setup(if self.once_in(12) { OTHER } else { self.sender }, setup)
             }
             Plan::Published => {
                 self.published += 1;
-                Event::Published(number(self.published))
+                BridgeEvent::Published(number(self.published))
             }
-            Plan::End => Event::End,
+            Plan::End => BridgeEvent::End,
             Plan::Order(kind, deadman) => {
                 let given = if odd { other_than(model.token) } else { model.token };
                 let (none, dead) = (BootId::NONE, BootId::new(5));
@@ -258,11 +258,11 @@ impl Generator {
                     other => other,
                 };
                 let fresh = token(self.random.random_range(1..i64::MAX - 1));
-                Event::Order(Order { kind, token: given, deadman, fresh })
+                BridgeEvent::Order(Order { kind, token: given, deadman, fresh })
             }
-            Plan::Fail => Event::CarFailed,
-            Plan::Sent => Event::Sent,
-            Plan::Command | Plan::Rest | Plan::Tick => Event::Tick,
+            Plan::Fail => BridgeEvent::CarFailed,
+            Plan::Sent => BridgeEvent::Sent,
+            Plan::Command | Plan::Rest | Plan::Tick => BridgeEvent::Tick,
         }
     }
 

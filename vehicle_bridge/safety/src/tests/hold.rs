@@ -30,17 +30,17 @@ fn stopped(car: &CarParams, bias: f64) -> Stopped {
     let start = State { v_x: 2.0, ..State::default() };
     let mut plant = Plant::new(PlantParams::new(car.clone()), track, start).unwrap();
     let mut safety = Safety::default();
-    let mut tell = |event: &Event<'_>, now: i64| {
+    let mut tell = |event: &BridgeEvent<'_>, now: i64| {
         let (next, output) = step(&rules, &safety, event, now);
         safety = next;
         (safety, output)
     };
     let order =
-        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     let mut now = MS;
-    tell(&Event::State(start, 2), now);
-    tell(&Event::Heartbeat(CONTROLLER), now);
-    tell(&Event::Setup(CONTROLLER, rules.setup), now);
+    tell(&BridgeEvent::State(start, 2), now);
+    tell(&BridgeEvent::Heartbeat(CONTROLLER), now);
+    tell(&BridgeEvent::Setup(CONTROLLER, rules.setup), now);
     tell(&order(OrderKind::Arm { moving: true, controller: BootId::NONE }), now);
     tell(&order(OrderKind::Start), now);
     tell(&order(OrderKind::Stop), now);
@@ -49,8 +49,8 @@ fn stopped(car: &CarParams, bias: f64) -> Stopped {
         let u = Input { a: held.a + bias, ..held };
         plant.apply(u, TICK);
         now += 10 * MS;
-        tell(&Event::State(plant.measure(), 2), now);
-        let (safety, output) = tell(&Event::Tick, now);
+        tell(&BridgeEvent::State(plant.measure(), 2), now);
+        let (safety, output) = tell(&BridgeEvent::Tick, now);
         held = output.applied.sent;
         if n == 1500 {
             at_15_s = plant.progress();
@@ -58,7 +58,7 @@ fn stopped(car: &CarParams, bias: f64) -> Stopped {
         end = Some((safety, output));
     }
     let (safety, output) = end.unwrap();
-    tell(&Event::Heartbeat(CONTROLLER), now);
+    tell(&BridgeEvent::Heartbeat(CONTROLLER), now);
     tell(&order(OrderKind::Arm { moving: true, controller: BootId::NONE }), now);
     let creeps_on = tell(&order(OrderKind::Start), now).0.creeps();
     Stopped {

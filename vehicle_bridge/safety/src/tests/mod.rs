@@ -59,7 +59,7 @@ fn token(number: i64) -> ArmToken {
 }
 
 /// [`super::step`] at a time of the tests. \[ns\]
-fn step(rules: &Rules, safety: &Safety, event: &Event<'_>, now_ns: i64) -> (Safety, Output) {
+fn step(rules: &Rules, safety: &Safety, event: &BridgeEvent<'_>, now_ns: i64) -> (Safety, Output) {
     super::step(rules, safety, event, time(now_ns))
 }
 
@@ -160,7 +160,7 @@ fn check_deadline(rules: &Rules, safety: &Safety, now: i64, context: &dyn Fn() -
     let deadline = safety.deadline(rules);
     assert_eq!(deadline.is_some(), granted, "{}", context());
     if let Some(until) = deadline.map(MonoTime::as_ns).filter(|until| *until >= now) {
-        let token_at = |at: i64| step(rules, safety, &Event::Tick, at).0.token();
+        let token_at = |at: i64| step(rules, safety, &BridgeEvent::Tick, at).0.token();
         assert_eq!(token_at(until), safety.token(), "{}", context());
         assert_eq!(token_at(until + 1), ArmToken::NONE, "{}", context());
     }
@@ -175,13 +175,13 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
         let (said, at) = generator.next(rules, &model, now);
         now = at;
         let (event, damage) = match &said {
-            Said::Command(offer, damage) => (Event::Command(offer), *damage),
+            Said::Command(offer, damage) => (BridgeEvent::Command(offer), *damage),
             Said::Other(event) => (*event, None),
         };
         let context = || format!("seed {seed}, event {n}: {event:?}");
         let (next, output) = step(rules, &safety, &event, now);
         // Pure: the same again is the same, but that a NaN is not itself.
-        if n % 50 == 0 && !matches!(event, Event::Command(_)) {
+        if n % 50 == 0 && !matches!(event, BridgeEvent::Command(_)) {
             let again = step(rules, &safety, &event, now).0;
             assert_eq!(format!("{again:?}"), format!("{next:?}"), "{}", context());
         }
@@ -217,7 +217,7 @@ fn episode(rules: &Rules, seed: u64, seen: &mut Seen) {
             let end = format!("{}:{:?}", was.name(), model.stop_reason);
             *seen.ends.entry(end).or_default() += 1;
         }
-        if event == Event::Tick {
+        if event == BridgeEvent::Tick {
             let held_ns = held.map_or(rules.tick_ns, |since| now - since);
             let dt = held_ns.clamp(0, 10 * rules.tick_ns) as f64 * 1e-9;
             check(rules, &model, &output, (before, dt), now);

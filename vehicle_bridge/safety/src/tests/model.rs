@@ -11,7 +11,7 @@ pub(super) struct Model {
     pub(super) bridge_state: BridgeState,
     pub(super) stop_reason: StopReason,
     pub(super) token: ArmToken,
-    pub(super) counts: Counts,
+    pub(super) counts: CommandCounts,
     /// The command in force.
     pub(super) command: Option<DecodedCommand>,
     /// Cap ordered. \[m/s\]
@@ -40,13 +40,13 @@ impl Model {
     pub(super) fn take(
         &mut self,
         rules: &Rules,
-        event: &Event<'_>,
+        event: &BridgeEvent<'_>,
         damage: Option<Reject>,
         now: i64,
     ) -> Answer {
         self.let_time_pass(rules, event, now);
         match event {
-            Event::State(x, quality) => {
+            BridgeEvent::State(x, quality) => {
                 if *quality < 1 || !x.v_x.is_finite() {
                     self.counts.bad += 1;
                     return Answer::Rejected(Reject::NotFinite);
@@ -62,8 +62,8 @@ impl Model {
                 }
                 Answer::Accepted
             }
-            Event::Command(offer) => self.hear(rules, offer, damage, now),
-            Event::Heartbeat(sender) => {
+            BridgeEvent::Command(offer) => self.hear(rules, offer, damage, now),
+            BridgeEvent::Heartbeat(sender) => {
                 let granted =
                     matches!(self.bridge_state, BridgeState::Armed | BridgeState::Running);
                 if granted && *sender != self.holder {
@@ -73,15 +73,15 @@ impl Model {
                 self.entry(*sender, now).0 = Some(now);
                 Answer::None
             }
-            Event::Setup(sender, setup) => {
+            BridgeEvent::Setup(sender, setup) => {
                 self.entry(*sender, now).1 = Some(*setup);
                 Answer::None
             }
-            Event::Published(seq) => {
+            BridgeEvent::Published(seq) => {
                 self.published.insert(*seq, now);
                 Answer::None
             }
-            Event::End => {
+            BridgeEvent::End => {
                 match self.bridge_state {
                     BridgeState::Running => self.end(BridgeState::SafeStop, StopReason::End),
                     BridgeState::Armed => self.end(BridgeState::Idle, StopReason::End),
@@ -89,11 +89,11 @@ impl Model {
                 }
                 Answer::None
             }
-            Event::Order(order) => match self.on_order(rules, order, now) {
+            BridgeEvent::Order(order) => match self.on_order(rules, order, now) {
                 None => Answer::Accepted,
                 Some(denied) => Answer::Denied(denied),
             },
-            Event::CarFailed => {
+            BridgeEvent::CarFailed => {
                 let to = if self.bridge_state == BridgeState::Estop {
                     BridgeState::Estop
                 } else {
@@ -102,14 +102,14 @@ impl Model {
                 self.end(to, StopReason::Car);
                 Answer::None
             }
-            Event::Tick => {
+            BridgeEvent::Tick => {
                 if self.bridge_state == BridgeState::SafeStop && self.stands(rules, now) {
                     self.bridge_state = BridgeState::Idle;
                 }
                 self.tick = Some(now);
                 Answer::None
             }
-            Event::Sent => {
+            BridgeEvent::Sent => {
                 self.sent = Some(now);
                 Answer::None
             }
@@ -137,14 +137,14 @@ impl Model {
         (self.command, self.last_seq, self.held) = (None, None, None);
     }
 
-    fn let_time_pass(&mut self, rules: &Rules, event: &Event<'_>, now: i64) {
+    fn let_time_pass(&mut self, rules: &Rules, event: &BridgeEvent<'_>, now: i64) {
         let to = match self.bridge_state {
             BridgeState::Armed => BridgeState::Idle,
             BridgeState::Running => BridgeState::SafeStop,
             _ => return,
         };
         let patience = rules.tick_ns + rules.timeout_ns;
-        let is_state = matches!(event, Event::State(..));
+        let is_state = matches!(event, BridgeEvent::State(..));
         let beat = self.heard.get(&self.holder).and_then(|(beat, ..)| *beat);
         let pulse = beat.unwrap_or(i64::MIN / 2);
         let begun = self.bridge_state == BridgeState::Running;

@@ -20,19 +20,19 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
     let mut plant = Plant::new(PlantParams::new(car.clone()), Arc::clone(track), start).unwrap();
     let mut safety = Safety::default();
     let mut now = TICK_NS;
-    let tell = |safety: &mut Safety, event: &Event<'_>, now: i64| {
+    let tell = |safety: &mut Safety, event: &BridgeEvent<'_>, now: i64| {
         let (next, output) = step(&rules, safety, event, now);
         *safety = next;
         output
     };
     let moving = OrderKind::Arm { moving: true, controller: BootId::NONE };
     let order =
-        |kind| Event::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
+        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     for event in [
-        Event::State(start, 2),
-        Event::Heartbeat(CONTROLLER),
-        Event::Setup(CONTROLLER, rules.setup),
-        Event::Published(number(1)),
+        BridgeEvent::State(start, 2),
+        BridgeEvent::Heartbeat(CONTROLLER),
+        BridgeEvent::Setup(CONTROLLER, rules.setup),
+        BridgeEvent::Published(number(1)),
         order(moving),
         order(OrderKind::Start),
     ] {
@@ -52,14 +52,14 @@ fn least_margin(car: &CarParams, track: &Arc<Track>, s: f64, speed: f64) -> f64 
         valid_for_ns: 10 * TICK_NS,
         ..DecodedCommand::default()
     };
-    assert_eq!(tell(&mut safety, &Event::Command(&offer), now).answer, Answer::Accepted);
+    assert_eq!(tell(&mut safety, &BridgeEvent::Command(&offer), now).answer, Answer::Accepted);
     let mut least = f64::INFINITY;
     for _ in 0..6000 {
-        let output = tell(&mut safety, &Event::Tick, now);
+        let output = tell(&mut safety, &BridgeEvent::Tick, now);
         plant.apply(output.applied.sent, TICK_NS as f64 * 1e-9);
         now += TICK_NS;
         let x = plant.measure();
-        tell(&mut safety, &Event::State(x, 2), now);
+        tell(&mut safety, &BridgeEvent::State(x, 2), now);
         let truth = plant.truth();
         let edge =
             (track.width_left(truth.s) - truth.e_y).min(track.width_right(truth.s) + truth.e_y);

@@ -8,7 +8,7 @@ use crate::runs::fingerprint;
 
 /// One run to be done. What it does depends on nothing else.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct CampaignCase {
     /// Its number, from 0.
     pub number: usize,
     /// Values of the axes as in the table.
@@ -21,7 +21,7 @@ pub struct Case {
     pub options: RaceOptions,
 }
 
-impl Case {
+impl CampaignCase {
     /// Adds every seed of a cell.
     pub(super) fn of_cell(
         all: &mut Vec<Self>,

@@ -4,22 +4,22 @@ use controller::fhocp::Backend;
 use racing::record::{is_fallback, median};
 use racing::{Race, RaceError};
 
-use super::case::Case;
+use super::case::CampaignCase;
 use super::file::Campaign;
-use super::rows::{Columns, Row};
+use super::rows::{CampaignColumns, CampaignRow};
 
 /// The word for a race that cannot begin, or whose vehicle fails.
 const REFUSED: &str = "refused";
 
 /// Drives a case. A race that cannot begin is a failed run.
 #[must_use]
-pub fn drive(campaign: &Campaign, columns: &Columns, case: &Case) -> Row {
+pub fn drive(campaign: &Campaign, columns: &CampaignColumns, case: &CampaignCase) -> CampaignRow {
     let race = || -> Result<Race, RaceError> {
         let mut race = Race::new(case.options.clone())?;
         race.run(|_| {})?;
         Ok(race)
     };
-    let mut row = Row::new(case, columns);
+    let mut row = CampaignRow::new(case, columns);
     let mut set = |name: &str, value: String| row.set(columns, name, value);
     match race() {
         Ok(race) => {

@@ -8,11 +8,11 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::axis::{Axis, AxisText};
-use super::case::Case;
+use super::case::CampaignCase;
 use super::key::{Key, flatten, same};
 use super::limits::Limits;
 use super::parts::Workshop;
-use super::record::{Measure, RecordText};
+use super::record::{CampaignMeasure, RecordText};
 
 /// Most runs of a campaign.
 const MOST_RUNS: usize = 10_000_000;
@@ -111,11 +111,11 @@ pub struct Campaign {
     /// Keys of the axes, in the order of the columns.
     pub axes: Vec<String>,
     /// What is recorded beside the usual columns.
-    pub measures: Vec<Measure>,
+    pub measures: Vec<CampaignMeasure>,
     /// What makes it fail.
     pub limits: Limits,
     /// Every run.
-    pub cases: Vec<Case>,
+    pub cases: Vec<CampaignCase>,
 }
 
 impl Campaign {
@@ -147,7 +147,9 @@ impl Campaign {
         workshop.model_error = match text.model_error {
             Some(ModelErrorText::Plan) => racing::ModelErrorAt::Plan,
             Some(ModelErrorText::Now) => racing::ModelErrorAt::Now,
-            None if measures.iter().any(Measure::of_model_error) => racing::ModelErrorAt::Now,
+            None if measures.iter().any(CampaignMeasure::of_model_error) => {
+                racing::ModelErrorAt::Now
+            }
             None => racing::ModelErrorAt::Never,
         };
         let cases = cases(&text.base(), &axes, &when, &text.seeds.list(), &mut workshop)?;
@@ -195,7 +197,7 @@ fn cases(
     when: &[When],
     seeds: &[u64],
     workshop: &mut Workshop,
-) -> Result<Vec<Case>> {
+) -> Result<Vec<CampaignCase>> {
     let cells = axes.iter().try_fold(1_usize, |n, axis| n.checked_mul(axis.points.len()));
     let runs = cells.and_then(|cells| cells.checked_mul(seeds.len()));
     let runs = runs.filter(|runs| *runs <= MOST_RUNS);
@@ -222,7 +224,7 @@ fn cases(
             let texts: Vec<String> = varied.iter().map(|(k, v)| format!("{k} = {v}")).collect();
             format!("run {} ({})", all.len(), texts.join(", "))
         })?;
-        Case::of_cell(&mut all, &varied, &options, seeds);
+        CampaignCase::of_cell(&mut all, &varied, &options, seeds);
     }
     ensure!(!all.is_empty(), "no runs: all are skipped");
     Ok(all)
@@ -242,7 +244,7 @@ fn point(axes: &[Axis], mut cell: usize) -> Assignments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Definition, Plan, StudyName};
+    use crate::{Definition, StudyCase, StudyName};
 
     fn load(name: &str) -> Campaign {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/studies");
@@ -253,7 +255,7 @@ mod tests {
     fn the_papers_studies_as_files_are_the_same_runs() {
         for name in [StudyName::Crc, StudyName::Bandwidth, StudyName::Hardware] {
             let study = Definition::of(name).unwrap();
-            let built_in = Plan::of(&study, &[], 10, 20).unwrap();
+            let built_in = StudyCase::of(&study, &[], 10, 20).unwrap();
             let campaign = load(name.as_str());
             assert_eq!((&campaign.title, campaign.cases.len()), (&study.title, built_in.len()));
             for (plan, case) in built_in.iter().zip(&campaign.cases) {

@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::rows::{Columns, Row};
+use super::rows::{CampaignColumns, CampaignRow};
 
 /// The key of the number of runs that may fail.
 const FAILED_RUNS: &str = "failed_runs";
@@ -31,7 +31,7 @@ struct Bounds {
 }
 
 impl Limits {
-    pub(super) fn parse(table: &Table, columns: &Columns) -> Result<Self> {
+    pub(super) fn parse(table: &Table, columns: &CampaignColumns) -> Result<Self> {
         let mut limits = Self::default();
         for (name, value) in table {
             if name == FAILED_RUNS {
@@ -58,7 +58,7 @@ impl Limits {
     /// The columns of a row that are beyond their limits, separated by blanks. A column without a
     /// value is beyond; a run that failed is counted as that and not judged.
     #[must_use]
-    pub(super) fn broken(&self, columns: &Columns, row: &Row) -> String {
+    pub(super) fn broken(&self, columns: &CampaignColumns, row: &CampaignRow) -> String {
         if !row.get(columns, "failure").is_empty() {
             return String::new();
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail, ensure};
 use csv::StringRecord;
 
-use super::rows::{Columns, RUNS, Row, Sheet};
+use super::rows::{CampaignColumns, CampaignRow, RUNS, Sheet};
 use crate::csv_file::{self, Folder};
 
 /// What came of a merge.
@@ -15,9 +15,9 @@ pub struct Merged {
     /// What the rows belong to.
     pub sheet: Sheet,
     /// The columns.
-    pub columns: Columns,
+    pub columns: CampaignColumns,
     /// The rows in the order of the runs.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CampaignRow>,
     /// Numbers of the runs that no shard has.
     pub missing: Vec<usize>,
 }
@@ -69,8 +69,8 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Merged> {
     sheet.write(&folder)?;
     let missing = (0..sheet.runs).filter(|number| !found.contains_key(number)).collect();
     let fields = |record: &StringRecord| record.iter().map(str::to_owned).collect();
-    let rows = records.iter().map(|record| Row { fields: fields(record) }).collect();
-    let columns = Columns::of(names, sheet.axes.len());
+    let rows = records.iter().map(|record| CampaignRow { fields: fields(record) }).collect();
+    let columns = CampaignColumns::of(names, sheet.axes.len());
     Ok(Merged { sheet, columns, rows, missing })
 }
 

@@ -16,13 +16,13 @@ mod rows;
 mod slurm;
 mod summary;
 
-pub use case::Case;
+pub use case::CampaignCase;
 pub use drive::drive;
 pub use file::Campaign;
 pub use limits::Limits;
 pub use merge::{Merged, merge};
-pub use record::Measure;
-pub use rows::{Columns, Row, Rows, Shard, Sheet};
+pub use record::CampaignMeasure;
+pub use rows::{CampaignColumns, CampaignRow, Rows, Shard, Sheet};
 pub use slurm::script;
 pub use summary::by_axis;
 pub(crate) use summary::{distinct, ranges, ranges_of, short};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, bail, ensure};
 use hosting::load;
 use hosting::rule::TrackLimit;
-use hosting::settings::{Layers, Origin};
+use hosting::settings::{Layers, SettingOrigin};
 use racing::{ModelErrorAt, Parts, RaceOptions};
 use toml::{Table, Value};
 use vehicle_model::track::{ImportOptions, random};
@@ -83,7 +83,7 @@ impl Workshop {
             layers.file(path)?;
         }
         if let Some(preset) = &keys.preset {
-            let origin = Origin::CommandLine;
+            let origin = SettingOrigin::CommandLine;
             layers.text(&format!("preset = {}", Value::String(preset.clone())), origin)?;
         }
         for assignment in &keys.config {

@@ -4,7 +4,7 @@ use anyhow::{Result, bail, ensure};
 use controller::Action;
 use hosting::timing::{PHASES, StepTime, percentile};
 use racing::Race;
-use racing::columns::{LAPS, STEPS, Value};
+use racing::columns::{ColumnValue, LAPS, STEPS};
 use racing::record::{mean, median};
 use serde::Deserialize;
 
@@ -43,7 +43,7 @@ enum Which {
 
 /// A number of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measure {
+pub struct CampaignMeasure {
     /// Name of its column.
     pub name: String,
     source: Source,
@@ -74,8 +74,8 @@ enum Take {
 
 impl RecordText {
     /// All measures of a file.
-    pub(super) fn measures(texts: &[Self]) -> Result<Vec<Measure>> {
-        let mut all: Vec<Measure> = Vec::new();
+    pub(super) fn measures(texts: &[Self]) -> Result<Vec<CampaignMeasure>> {
+        let mut all: Vec<CampaignMeasure> = Vec::new();
         for text in texts {
             for measure in text.all()? {
                 let new = all.iter().all(|other| other.name != measure.name);
@@ -86,7 +86,7 @@ impl RecordText {
         Ok(all)
     }
 
-    fn all(&self) -> Result<Vec<Measure>> {
+    fn all(&self) -> Result<Vec<CampaignMeasure>> {
         let source = source(&self.column)?;
         let of = self.of;
         let prefix = match of {
@@ -98,10 +98,10 @@ impl RecordText {
         if let Some(word) = &self.word {
             ensure!(self.take.is_empty(), "record `{}`: `word` or `take`", self.column);
             let take = Take::Count(word.clone());
-            return Ok(vec![Measure { name: name(word), source, take, of }]);
+            return Ok(vec![CampaignMeasure { name: name(word), source, take, of }]);
         }
         ensure!(!self.take.is_empty(), "record `{}`: `take` or `word` is missing", self.column);
-        let one = |take: &TakeText| -> Result<Measure> {
+        let one = |take: &TakeText| -> Result<CampaignMeasure> {
             let (end, take) = match take {
                 TakeText::Word(word) => (word.clone(), take_of(&self.column, word)?),
                 TakeText::Quantile(q) if (0.0..=1.0).contains(q) => {
@@ -111,7 +111,7 @@ impl RecordText {
                     bail!("record `{}`: found {q}, expected a share from 0 to 1", self.column)
                 }
             };
-            Ok(Measure { name: name(&end), source, take, of })
+            Ok(CampaignMeasure { name: name(&end), source, take, of })
         };
         self.take.iter().map(one).collect()
     }
@@ -156,7 +156,7 @@ fn source(column: &str) -> Result<Source> {
     )
 }
 
-impl Measure {
+impl CampaignMeasure {
     /// Whether it needs the error of the learned model, which takes time.
     pub(super) fn of_model_error(&self) -> bool {
         match self.source {
@@ -171,7 +171,7 @@ impl Measure {
     pub fn of_race(&self, race: &Race) -> String {
         let values = self.values(race);
         if let Take::Count(word) = &self.take {
-            let same = |value: &&Value| value.to_string() == *word;
+            let same = |value: &&ColumnValue| value.to_string() == *word;
             return values.iter().filter(same).count().to_string();
         }
         let mut numbers: Vec<f64> = values.iter().filter_map(|value| value.number()).collect();
@@ -190,7 +190,7 @@ impl Measure {
         if number.is_finite() { number.to_string() } else { String::new() }
     }
 
-    fn values(&self, race: &Race) -> Vec<Value> {
+    fn values(&self, race: &Race) -> Vec<ColumnValue> {
         let first = race.steps.iter().position(|step| step.status.action == Action::Learned);
         let first = first.unwrap_or(race.steps.len());
         let steps = match self.of {
@@ -203,7 +203,7 @@ impl Measure {
             Source::Time(phase) => {
                 let us = |time: &StepTime| 1e6 * phase.map_or(time.total, |i| time.phases[i]);
                 let times = race.times.get(steps).unwrap_or_default();
-                times.iter().map(|time| Value::Number(us(time))).collect()
+                times.iter().map(|time| ColumnValue::Number(us(time))).collect()
             }
             Source::Lap(i) => {
                 let counts = |lap: &&racing::record::LapRow| match self.of {
@@ -224,7 +224,7 @@ mod tests {
     use std::sync::Arc;
     use vehicle_model::{CarParams, Track};
 
-    fn measures(text: &str) -> Result<Vec<Measure>> {
+    fn measures(text: &str) -> Result<Vec<CampaignMeasure>> {
         #[derive(Deserialize)]
         struct Table {
             record: Vec<RecordText>,

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result, ensure};
 use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
-use super::case::Case;
+use super::case::CampaignCase;
 use super::file::Campaign;
 use crate::csv_file::{self, Folder};
 
@@ -18,7 +18,7 @@ const SHEET: &str = "study.toml";
 
 /// The columns of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Columns {
+pub struct CampaignColumns {
     pub(super) names: StringRecord,
     axes: usize,
 }
@@ -39,7 +39,7 @@ const USUAL: [&str; 9] = [
 const LAST: [&str; 7] =
     ["limits", "fail_lap", "fail_time_s", "fail_s_m", "fail_message", "lap_times_s", "settings"];
 
-impl Columns {
+impl CampaignColumns {
     fn new(axes: &[String], measures: &[String]) -> Self {
         let words = ["run"].into_iter().chain(axes.iter().map(String::as_str)).chain(["seed"]);
         let names = words.chain(USUAL).chain(measures.iter().map(String::as_str)).chain(LAST);
@@ -65,16 +65,16 @@ impl Columns {
 impl Campaign {
     /// The columns of its table.
     #[must_use]
-    pub fn columns(&self) -> Columns {
+    pub fn columns(&self) -> CampaignColumns {
         let measures: Vec<String> = self.measures.iter().map(|m| m.name.clone()).collect();
-        Columns::new(&self.axes, &measures)
+        CampaignColumns::new(&self.axes, &measures)
     }
 
     /// The planned runs as a CSV table: number, axes, seed, fingerprint.
     ///
     /// # Errors
     /// None that can happen in memory.
-    pub fn list(&self, cases: &[&Case]) -> Result<String> {
+    pub fn list(&self, cases: &[&CampaignCase]) -> Result<String> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let axes = self.axes.iter().map(String::as_str);
         writer.write_record(["run"].into_iter().chain(axes).chain(["seed", "settings"]))?;
@@ -91,13 +91,13 @@ impl Campaign {
 
 /// A finished run: its fields in the order of the columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
+pub struct CampaignRow {
     pub(super) fields: Vec<String>,
 }
 
-impl Row {
+impl CampaignRow {
     /// The row of a run that has not begun.
-    pub(super) fn new(case: &Case, columns: &Columns) -> Self {
+    pub(super) fn new(case: &CampaignCase, columns: &CampaignColumns) -> Self {
         let mut fields = vec![String::new(); columns.names.len()];
         fields[0] = case.number.to_string();
         fields[1..=case.axes.len()].clone_from_slice(&case.axes);
@@ -113,7 +113,7 @@ impl Row {
     /// # Errors
     /// If they are not those of a run of this campaign: another number of fields, another run,
     /// axes, seed or fingerprint.
-    pub fn of(fields: Vec<String>, campaign: &Campaign, columns: &Columns) -> Result<Self> {
+    pub fn of(fields: Vec<String>, campaign: &Campaign, columns: &CampaignColumns) -> Result<Self> {
         let wanted = columns.names.len();
         ensure!(fields.len() == wanted, "found {} fields, expected {wanted}", fields.len());
         let row = Self { fields };
@@ -141,7 +141,7 @@ impl Row {
     }
 
     /// Sets the field of a column.
-    pub(super) fn set(&mut self, columns: &Columns, name: &str, value: String) {
+    pub(super) fn set(&mut self, columns: &CampaignColumns, name: &str, value: String) {
         if let Some(place) = columns.place(name) {
             self.fields[place] = value;
         }
@@ -149,12 +149,12 @@ impl Row {
 
     /// The field of a column; empty if there is no such column.
     #[must_use]
-    pub fn get(&self, columns: &Columns, name: &str) -> &str {
+    pub fn get(&self, columns: &CampaignColumns, name: &str) -> &str {
         columns.place(name).map_or("", |place| &self.fields[place])
     }
 
     /// What distinguishes runs: axes, seed and fingerprint.
-    fn key(&self, columns: &Columns) -> Vec<String> {
+    fn key(&self, columns: &CampaignColumns) -> Vec<String> {
         let mut key = self.fields[1..columns.axes + 2].to_vec();
         key.extend(self.fields.last().cloned());
         key
@@ -233,11 +233,11 @@ impl Shard {
 #[derive(Debug)]
 pub struct Rows {
     folder: Folder,
-    columns: Columns,
+    columns: CampaignColumns,
     /// Runs of this campaign.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CampaignRow>,
     /// Runs in the table with other settings or of other versions; they stay there, without a number.
-    pub others: Vec<Row>,
+    pub others: Vec<CampaignRow>,
 }
 
 impl Rows {
@@ -247,7 +247,12 @@ impl Rows {
     /// # Errors
     /// If the folder cannot be read or written, another study writes to it, or the table has a line
     /// that is no row or other columns; only a torn last line is dropped.
-    pub fn open(folder: &Path, campaign: &Campaign, cases: &[&Case], fresh: bool) -> Result<Self> {
+    pub fn open(
+        folder: &Path,
+        campaign: &Campaign,
+        cases: &[&CampaignCase],
+        fresh: bool,
+    ) -> Result<Self> {
         let folder = Folder::lock(folder)?;
         let (columns, path) = (campaign.columns(), folder.file(RUNS));
         if fresh {
@@ -257,12 +262,12 @@ impl Rows {
         // Draws of whole numbers may give two runs the same axes: either row will do for either.
         let mut wanted: BTreeMap<Vec<String>, VecDeque<String>> = BTreeMap::new();
         for case in cases {
-            let row = Row::new(case, &columns);
+            let row = CampaignRow::new(case, &columns);
             wanted.entry(row.key(&columns)).or_default().push_back(case.number.to_string());
         }
         let (mut rows, mut others, mut changed) = (Vec::new(), Vec::new(), false);
         for record in found {
-            let mut row = Row { fields: record.iter().map(str::to_owned).collect() };
+            let mut row = CampaignRow { fields: record.iter().map(str::to_owned).collect() };
             let number = wanted.get_mut(&row.key(&columns)).and_then(VecDeque::pop_front);
             let own = number.is_some();
             let (number, limits) =
@@ -288,7 +293,7 @@ impl Rows {
 
     /// The columns.
     #[must_use]
-    pub fn columns(&self) -> &Columns {
+    pub fn columns(&self) -> &CampaignColumns {
         &self.columns
     }
 
@@ -296,7 +301,7 @@ impl Rows {
     ///
     /// # Errors
     /// If the table cannot be written.
-    pub fn add(&mut self, row: Row) -> Result<()> {
+    pub fn add(&mut self, row: CampaignRow) -> Result<()> {
         let path = self.folder.file(RUNS);
         csv_file::append_records(&path, &self.columns.names, &[row.record()])?;
         self.rows.push(row);
@@ -314,7 +319,7 @@ impl Rows {
 
     fn rewrite(&self) -> Result<()> {
         let all: Vec<StringRecord> =
-            self.rows.iter().chain(&self.others).map(Row::record).collect();
+            self.rows.iter().chain(&self.others).map(CampaignRow::record).collect();
         csv_file::replace_records(&self.folder.file(RUNS), &self.columns.names, &all)
     }
 }

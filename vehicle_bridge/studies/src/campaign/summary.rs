@@ -3,7 +3,7 @@
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use racing::record::median;
 
-use super::rows::{Columns, Row};
+use super::rows::{CampaignColumns, CampaignRow};
 
 /// An axis with more values than this is shown in ranges, if they are numbers.
 const MOST_VALUES: usize = 12;
@@ -13,7 +13,7 @@ const RANGES: usize = 5;
 /// For each value of each axis, or each range of values: runs, failed, beyond limits, median and
 /// slowest of the best laps.
 #[must_use]
-pub fn by_axis(axes: &[String], columns: &Columns, rows: &[Row]) -> String {
+pub fn by_axis(axes: &[String], columns: &CampaignColumns, rows: &[CampaignRow]) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     let head = ["axis", "value", "runs", "failed", "beyond limits", "best lap [s]", "slowest [s]"];
@@ -78,7 +78,7 @@ pub(crate) fn short(value: f64) -> String {
     text
 }
 
-fn line(axis: &str, value: &str, columns: &Columns, own: &Vec<&Row>) -> Vec<Cell> {
+fn line(axis: &str, value: &str, columns: &CampaignColumns, own: &Vec<&CampaignRow>) -> Vec<Cell> {
     let count = |name: &str| own.iter().filter(|row| !row.get(columns, name).is_empty()).count();
     let stayed = own.iter().filter(|row| row.get(columns, "failure").is_empty());
     let mut best: Vec<f64> =

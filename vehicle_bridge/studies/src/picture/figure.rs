@@ -3,11 +3,11 @@
 use anyhow::{Result, ensure};
 use racing::record::{mean, median};
 use svg_page::facets::{Facet, Facets, Line, Spot};
-use svg_page::scale::Kind;
+use svg_page::scale::ScaleKind;
 
 use super::groups::{Groups, MOST};
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME, Sample, is_share, samples};
-use super::table::{Table, places};
+use super::table::{RunTable, places};
 use super::words::{bare, label, wilson};
 use crate::campaign::{ranges_of, short};
 
@@ -77,16 +77,20 @@ impl Places {
         self.texts.iter().position(|text| *text == sample.x).unwrap_or(0)
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ScaleKind {
         kind(self.words, &self.ats)
     }
 }
 
 /// Logarithmic for positive numbers that span decades.
-fn kind(words: bool, values: &[f64]) -> Kind {
+fn kind(words: bool, values: &[f64]) -> ScaleKind {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(0.0, f64::max);
-    if !words && least > 0.0 && most / least >= DECADES { Kind::Log } else { Kind::Linear }
+    if !words && least > 0.0 && most / least >= DECADES {
+        ScaleKind::Log
+    } else {
+        ScaleKind::Linear
+    }
 }
 
 impl Figure {
@@ -96,7 +100,7 @@ impl Figure {
         Self { x: x.to_owned(), y: y.to_owned(), ..Self::default() }
     }
 
-    pub(super) fn draw(&self, table: &Table) -> Result<Drawing> {
+    pub(super) fn draw(&self, table: &RunTable) -> Result<Drawing> {
         let samples = samples(table, &self.x, &self.y)?;
         let places = Places::new(&samples);
         let [by, across, down] = [&self.by, &self.across, &self.down]
@@ -152,7 +156,7 @@ impl Figure {
                 x_label: label(&self.x),
                 y_label: label(&self.y),
                 x_kind: places.kind(),
-                y_kind: if is_share(&self.y) { Kind::Linear } else { kind(false, &values) },
+                y_kind: if is_share(&self.y) { ScaleKind::Linear } else { kind(false, &values) },
                 x_ticks: if marked { ticks.collect() } else { Vec::new() },
                 y_range: is_share(&self.y).then_some((0.0, 1.03)),
                 bands: single || self.x == LAP,
@@ -304,8 +308,8 @@ fn join(a: &Option<String>, a_name: &str, b: &Option<String>, b_name: &str) -> S
 mod tests {
     use super::*;
 
-    fn table(lines: &str) -> Table {
-        Table::parse(&format!("run,mu,mode,seed,failure,best_lap_s\n{lines}")).unwrap()
+    fn table(lines: &str) -> RunTable {
+        RunTable::parse(&format!("run,mu,mode,seed,failure,best_lap_s\n{lines}")).unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::table::Table;
+use super::table::RunTable;
 use crate::campaign::{ranges, short};
 
 /// A column with more values than this is divided into ranges.
@@ -19,7 +19,7 @@ pub(super) struct Groups {
 
 impl Groups {
     /// The groups along `column`, or one group of all runs.
-    pub(super) fn new(table: &Table, column: Option<&str>) -> Result<Self> {
+    pub(super) fn new(table: &RunTable, column: Option<&str>) -> Result<Self> {
         let Some(column) = column else {
             return Ok(Self { names: vec![String::new()], of: vec![0; table.runs()] });
         };
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn many_numbers_become_ranges_that_hold_every_run() {
         let lines: String = (0..23).map(|i| format!("{},{i}\n", 0.5 * f64::from(i))).collect();
-        let table = Table::parse(&format!("mu,seed\n{lines}")).unwrap();
+        let table = RunTable::parse(&format!("mu,seed\n{lines}")).unwrap();
         let groups = Groups::new(&table, Some("mu")).unwrap();
         assert_eq!(groups.names.len(), 5);
         assert!(groups.names[0].starts_with("0 to "), "{:?}", groups.names);

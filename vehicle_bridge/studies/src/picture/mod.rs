@@ -11,5 +11,5 @@ mod words;
 
 pub use figure::Figure;
 pub use page::page;
-pub use table::Table;
+pub use table::RunTable;
 pub use template::{Template, usual};

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use svg_page::{card, escape, page as html_page, table as html_table};
 
 use super::figure::{Drawing, Figure};
-use super::table::Table;
+use super::table::RunTable;
 
 const HEAD: [&str; 8] =
     ["panel", "line", "at", "runs", "failed", "median or share", "least", "greatest"];
@@ -15,7 +15,7 @@ const HEAD: [&str; 8] =
 ///
 /// # Errors
 /// If a figure asks for a column that is not there, or for too many lines or panels.
-pub fn page(table: &Table, figures: &[Figure]) -> Result<String> {
+pub fn page(table: &RunTable, figures: &[Figure]) -> Result<String> {
     let failed = table.failed().iter().filter(|failed| **failed).count();
     let beyond = table.column("limits").unwrap_or_default();
     let beyond = beyond.iter().filter(|text| !text.is_empty()).count();

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::table::{Table, number};
+use super::table::{RunTable, number};
 
 /// The axis of the learned laps, which is no column.
 pub(super) const LAP: &str = "lap";
@@ -32,7 +32,7 @@ pub(super) fn is_share(y: &str) -> bool {
 }
 
 /// The samples of all runs.
-pub(super) fn samples<'a>(table: &'a Table, x: &str, y: &str) -> Result<Vec<Sample<'a>>> {
+pub(super) fn samples<'a>(table: &'a RunTable, x: &str, y: &str) -> Result<Vec<Sample<'a>>> {
     if x == LAP && !table.has(LAP) {
         return over_laps(table, y);
     }
@@ -56,7 +56,7 @@ pub(super) fn samples<'a>(table: &'a Table, x: &str, y: &str) -> Result<Vec<Samp
 }
 
 /// The learned laps of all runs, also of those that failed later.
-fn over_laps<'a>(table: &'a Table, y: &str) -> Result<Vec<Sample<'a>>> {
+fn over_laps<'a>(table: &'a RunTable, y: &str) -> Result<Vec<Sample<'a>>> {
     ensure!(
         y == LAP_TIME || y == DRIVING,
         "over `{LAP}` stand `{LAP_TIME}` and `{DRIVING}`; found `{y}`"
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn failed_runs_have_no_value_and_count_as_failures() {
-        let table = Table::parse(TABLE).unwrap();
+        let table = RunTable::parse(TABLE).unwrap();
         let found = samples(&table, "mu", "best_lap_s").unwrap();
         assert_eq!((found[0].y, found[1].y, found[1].failed), (Some(4.5), None, true));
         let shares = samples(&table, "mu", FAILED).unwrap();
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn laps_stand_one_by_one_up_to_the_failure() {
-        let table = Table::parse(TABLE).unwrap();
+        let table = RunTable::parse(TABLE).unwrap();
         let found = samples(&table, LAP, LAP_TIME).unwrap();
         let of = |run: usize| found.iter().filter(move |s| s.run == run);
         assert_eq!((of(0).count(), of(1).count()), (3, 3));

@@ -11,7 +11,7 @@ const SEED: &str = "seed";
 
 /// The runs of a study as text.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub struct RunTable {
     /// Heading.
     pub title: String,
     /// Columns that distinguish the runs beside the seed.
@@ -20,7 +20,7 @@ pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl RunTable {
     /// Reads `runs.csv` of a folder, or a table by its name. Lines of a campaign without a number,
     /// which are of other settings, are left out.
     ///
@@ -148,13 +148,13 @@ mod tests {
     fn the_columns_before_the_seed_are_axes_and_lines_without_a_number_stay_out() {
         let text = "run,plant.mu,car,seed,failure,best_lap_s\n0,0.9,b,0,,5\n1,0.10,a,0,spin,\n\
                     ,0.5,a,0,,4\n2,0.9,a,1,,6\n";
-        let table = Table::parse(text).unwrap();
+        let table = RunTable::parse(text).unwrap();
         assert_eq!((table.axes.clone(), table.runs()), (vec!["plant.mu".into(), "car".into()], 3));
         assert_eq!(table.values("plant.mu").unwrap(), ["0.10", "0.9"]);
         assert_eq!(table.values("car").unwrap(), ["b", "a"]);
         assert_eq!(table.failed(), [false, true, false]);
         let error = table.column("grip").unwrap_err().to_string();
         assert!(error.contains("no column `grip`") && error.contains("plant.mu"), "{error}");
-        assert!(Table::parse("a,b\n").is_err());
+        assert!(RunTable::parse("a,b\n").is_err());
     }
 }

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use super::figure::Figure;
 use super::groups::MOST;
 use super::samples::{DRIVING, FAILED, LAP, LAP_TIME};
-use super::table::{Table, number};
+use super::table::{RunTable, number};
 use crate::definition::{Cell, Definition, StudyName};
 
 /// A set of figures.
@@ -30,7 +30,7 @@ impl Template {
     ///
     /// # Errors
     /// If the table has not the axes of the template.
-    pub fn figures(self, table: &Table) -> Result<Vec<Figure>> {
+    pub fn figures(self, table: &RunTable) -> Result<Vec<Figure>> {
         let (names, word) = match self {
             Self::Crc => (COST, "crc"),
             Self::Bandwidth => (BANDWIDTH, "bandwidth"),
@@ -72,12 +72,12 @@ impl Template {
     }
 }
 
-fn any<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
+fn any<'a>(table: &RunTable, names: &[&'a str]) -> Option<&'a str> {
     names.iter().copied().find(|name| table.has(name))
 }
 
 /// The first of the columns in which a run that did not fail has a number.
-fn measured<'a>(table: &Table, names: &[&'a str]) -> Option<&'a str> {
+fn measured<'a>(table: &RunTable, names: &[&'a str]) -> Option<&'a str> {
     let failed = table.failed();
     let any = |name: &&&str| {
         let column = table.column(name).unwrap_or_default();
@@ -105,7 +105,7 @@ fn of_the_paper() -> Result<Vec<Curve>> {
 /// The figures of a table without further wishes: the best laps and the failures along each axis that
 /// varies, with lines for the next axis of few values; both in small multiples for two or more axes.
 #[must_use]
-pub fn usual(table: &Table) -> Vec<Figure> {
+pub fn usual(table: &RunTable) -> Vec<Figure> {
     let measure = measured(table, &["ratio", "best_lap_s", "last_lap_s"]);
     let axes = table.varied();
     let few = |axis: &&&str| table.values(axis).is_ok_and(|values| values.len() <= MOST);

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use super::case::Case;
+use super::case::TracksCase;
 use super::drive::Run;
-use super::row::{Key, Row};
+use super::row::{TracksKey, TracksRow};
 use crate::csv_file::{Folder, append, open, put_aside, replace};
 use racing::files;
 
@@ -21,9 +21,9 @@ const FAILURES: &str = "failures";
 pub struct Book {
     folder: Folder,
     /// Runs of this matrix.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TracksRow>,
     /// Runs in the table of other cells, settings or versions; they stay there.
-    pub others: Vec<Row>,
+    pub others: Vec<TracksRow>,
 }
 
 impl Book {
@@ -33,15 +33,15 @@ impl Book {
     /// # Errors
     /// If the folder cannot be read or written, another study writes to it, or the table has a line
     /// that is no row; only a torn last line is dropped.
-    pub fn open(folder: &Path, keys: &[Key], resume: bool) -> Result<Self> {
+    pub fn open(folder: &Path, keys: &[TracksKey], resume: bool) -> Result<Self> {
         let folder = Folder::lock(folder)?;
         let path = folder.file(RUNS);
         if !resume {
             put_aside(&path)?;
         }
-        let mut wanted: Vec<&Key> = keys.iter().collect();
+        let mut wanted: Vec<&TracksKey> = keys.iter().collect();
         wanted.sort();
-        let (rows, others): (Vec<Row>, Vec<Row>) = open::<Row>(&path)?
+        let (rows, others): (Vec<TracksRow>, Vec<TracksRow>) = open::<TracksRow>(&path)?
             .into_iter()
             .partition(|row| wanted.binary_search(&&row.key()).is_ok());
         Ok(Self { folder, rows, others })
@@ -52,7 +52,7 @@ impl Book {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn add(&mut self, run: Run, case: &Case) -> Result<()> {
+    pub fn add(&mut self, run: Run, case: &TracksCase) -> Result<()> {
         if run.row.failed() {
             self.keep_failure(&run, case)?;
         }
@@ -61,7 +61,7 @@ impl Book {
         Ok(())
     }
 
-    fn keep_failure(&self, run: &Run, case: &Case) -> Result<()> {
+    fn keep_failure(&self, run: &Run, case: &TracksCase) -> Result<()> {
         let folder = self.folder.file(FAILURES);
         let failed = |path: &Path| format!("cannot write {}", path.display());
         fs::create_dir_all(&folder).with_context(|| failed(&folder))?;
@@ -77,8 +77,8 @@ impl Book {
     }
 
     /// Measures the kept runs against the optima known now.
-    pub fn rate(&mut self, cases: &[Case]) {
-        let mut places: Vec<&Case> = cases.iter().collect();
+    pub fn rate(&mut self, cases: &[TracksCase]) {
+        let mut places: Vec<&TracksCase> = cases.iter().collect();
         places.sort_by(|a, b| a.key.cmp(&b.key));
         for row in &mut self.rows {
             let key = row.key();
@@ -92,8 +92,8 @@ impl Book {
     ///
     /// # Errors
     /// If the table cannot be written.
-    pub fn sort(&mut self, keys: &[Key]) -> Result<()> {
-        let mut places: Vec<(&Key, usize)> = keys.iter().zip(0..).collect();
+    pub fn sort(&mut self, keys: &[TracksKey]) -> Result<()> {
+        let mut places: Vec<(&TracksKey, usize)> = keys.iter().zip(0..).collect();
         places.sort();
         self.rows.sort_by_cached_key(|row| {
             let key = row.key();
@@ -103,14 +103,14 @@ impl Book {
     }
 
     fn rewrite(&self) -> Result<()> {
-        let all: Vec<&Row> = self.rows.iter().chain(&self.others).collect();
+        let all: Vec<&TracksRow> = self.rows.iter().chain(&self.others).collect();
         replace(&self.folder.file(RUNS), &all)
     }
 }
 
 /// The file of a failed run's last steps.
 #[must_use]
-pub(super) fn trace_name(row: &Row) -> String {
+pub(super) fn trace_name(row: &TracksRow) -> String {
     let plain = |text: &str| -> String {
         let keep = |c: char| c.is_alphanumeric() || "-_.=".contains(c);
         text.chars().map(|c| if keep(c) { c } else { '_' }).collect()
@@ -125,20 +125,24 @@ mod tests {
     use racing::RaceOptions;
     use vehicle_model::{CarParams, Track};
 
-    fn key(track: &str, seed: u64, settings: &str) -> Key {
+    fn key(track: &str, seed: u64, settings: &str) -> TracksKey {
         let (car, track, plant) = ("barc".to_owned(), track.to_owned(), "none".to_owned());
-        Key { car, track, plant, seed, settings: settings.to_owned() }
+        TracksKey { car, track, plant, seed, settings: settings.to_owned() }
     }
 
-    fn case(key: &Key) -> Case {
+    fn case(key: &TracksKey) -> TracksCase {
         let track = std::sync::Arc::new(Track::builtin("l").unwrap());
         let car = CarParams::builtin("barc").unwrap();
         let options = RaceOptions::new(controller::Config::default(), car, track);
-        Case { key: key.clone(), optimum: Some(3.0), generated: false, options }
+        TracksCase { key: key.clone(), optimum: Some(3.0), generated: false, options }
     }
 
-    fn run(key: &Key) -> Run {
-        let row = Row { best_lap_s: Some(3.9), fail_message: "a, \"b\"".into(), ..Row::new(key) };
+    fn run(key: &TracksKey) -> Run {
+        let row = TracksRow {
+            best_lap_s: Some(3.9),
+            fail_message: "a, \"b\"".into(),
+            ..TracksRow::new(key)
+        };
         Run { row, last_steps: Vec::new() }
     }
 
@@ -166,7 +170,8 @@ mod tests {
         book.sort(&keys).unwrap();
         drop(book);
         let text = fs::read_to_string(&path).unwrap();
-        let rows: Vec<Key> = open::<Row>(&path).unwrap().iter().map(Row::key).collect();
+        let rows: Vec<TracksKey> =
+            open::<TracksRow>(&path).unwrap().iter().map(TracksRow::key).collect();
         let kept = [&keys[..], &[other, two]].concat();
         assert_eq!(rows, kept, "other cells and other settings stay in the table");
 

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use vehicle_model::Track;
 
-use super::row::Key;
+use super::row::TracksKey;
 use crate::runs::fingerprint;
 use racing::{ModelErrorAt, RaceOptions};
 
 /// One run to be done. What it does depends on nothing else.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct TracksCase {
     /// Its key.
-    pub key: Key,
+    pub key: TracksKey,
     /// Time of the optimal lap, where it is known \[s\].
     pub optimum: Option<f64>,
     /// Whether the track was generated for the car.
@@ -21,7 +21,7 @@ pub struct Case {
     pub options: RaceOptions,
 }
 
-impl Case {
+impl TracksCase {
     /// Every seed of a cell. `options` hold everything but the seed.
     #[must_use]
     pub fn of_cell(
@@ -38,7 +38,7 @@ impl Case {
             .map(|seed| {
                 let options = options.clone().with_seed(seed);
                 let (car, track, plant) = (car.clone(), track.clone(), plant.clone());
-                let key = Key { car, track, plant, seed, settings: settings.clone() };
+                let key = TracksKey { car, track, plant, seed, settings: settings.clone() };
                 Self { key, optimum, generated, options }
             })
             .collect()

@@ -1,7 +1,7 @@
 //! Cells of the matrix: a car on a track with a plant, over the seeds.
 
-use super::case::Case;
-use super::row::Row;
+use super::case::TracksCase;
+use super::row::TracksRow;
 
 /// One cell of the grid: a track, and a car with a plant.
 pub(super) struct Cell<'a> {
@@ -16,13 +16,13 @@ pub(super) struct Cell<'a> {
     /// Runs to be done.
     pub(super) planned: usize,
     /// Runs done.
-    pub(super) runs: Vec<&'a Row>,
+    pub(super) runs: Vec<&'a TracksRow>,
     /// The first of its cases.
-    pub(super) case: &'a Case,
+    pub(super) case: &'a TracksCase,
 }
 
 /// Cells of the cases with their runs, those with most failures first.
-pub(super) fn cells<'a>(cases: &'a [Case], rows: &'a [Row]) -> Vec<Cell<'a>> {
+pub(super) fn cells<'a>(cases: &'a [TracksCase], rows: &'a [TracksRow]) -> Vec<Cell<'a>> {
     let mut cells: Vec<Cell<'a>> = Vec::new();
     for case in cases {
         let key = &case.key;
@@ -34,8 +34,9 @@ pub(super) fn cells<'a>(cases: &'a [Case], rows: &'a [Row]) -> Vec<Cell<'a>> {
             cell.planned += 1;
             continue;
         }
-        let own =
-            |row: &&Row| row.car == key.car && row.track == key.track && row.plant == key.plant;
+        let own = |row: &&TracksRow| {
+            row.car == key.car && row.track == key.track && row.plant == key.plant
+        };
         cells.push(Cell {
             car: &key.car,
             track: &key.track,

@@ -3,8 +3,8 @@
 use controller::fhocp::Backend;
 use controller::{LapKind, Status};
 
-use super::case::Case;
-use super::row::Row;
+use super::case::TracksCase;
+use super::row::TracksRow;
 use hosting::timing::{StepTime, percentile};
 use racing::record::{StepRow, is_fallback, mean};
 use racing::words::{action_word, reason_word};
@@ -23,14 +23,14 @@ const REFUSED: &str = "refused";
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Its row.
-    pub row: Row,
+    pub row: TracksRow,
     /// The last steps of a run that failed.
     pub last_steps: Vec<StepRow>,
 }
 
 /// Drives a case. A race that cannot begin, or whose vehicle fails, is a failed run.
 #[must_use]
-pub fn drive(case: &Case) -> Run {
+pub fn drive(case: &TracksCase) -> Run {
     let race = || -> Result<Race, RaceError> {
         let mut race = Race::new(case.options.clone())?;
         race.run(|_| {})?;
@@ -40,14 +40,14 @@ pub fn drive(case: &Case) -> Run {
         Ok(race) => of_race(case, &race),
         Err(error) => {
             let (failure, fail_message) = (REFUSED.to_owned(), error.to_string());
-            let row = Row { failure, fail_message, ..Row::new(&case.key) };
+            let row = TracksRow { failure, fail_message, ..TracksRow::new(&case.key) };
             Run { row, last_steps: Vec::new() }
         }
     }
 }
 
-fn of_race(case: &Case, race: &Race) -> Run {
-    let mut row = Row::new(&case.key);
+fn of_race(case: &TracksCase, race: &Race) -> Run {
+    let mut row = TracksRow::new(&case.key);
     laps(&mut row, race, case.optimum);
     steps(&mut row, race);
     let mut last_steps = Vec::new();
@@ -67,7 +67,7 @@ fn of_race(case: &Case, race: &Race) -> Run {
     Run { row, last_steps }
 }
 
-fn laps(row: &mut Row, race: &Race, optimum: Option<f64>) {
+fn laps(row: &mut TracksRow, race: &Race, optimum: Option<f64>) {
     let of = |kind: LapKind| race.laps.iter().filter(move |lap| lap.result.kind == kind);
     let learned = || of(LapKind::Learning);
     let valid = learned().filter(|lap| lap.result.valid).map(|lap| lap.result.lap_time);
@@ -84,7 +84,7 @@ fn laps(row: &mut Row, race: &Race, optimum: Option<f64>) {
     row.lap_times_s = times.join(" ");
 }
 
-fn steps(row: &mut Row, race: &Race) {
+fn steps(row: &mut TracksRow, race: &Race) {
     let count =
         |of: fn(&Status) -> bool| race.steps.iter().filter(|step| of(&step.status)).count() as u64;
     row.steps = race.steps.len() as u64;

@@ -13,9 +13,9 @@ mod thumbnail;
 
 pub use axes::{Named, Refused, Tracks, cars, generated, tracks};
 pub use book::Book;
-pub use case::Case;
+pub use case::TracksCase;
 pub use drive::{LAST_STEPS, Run, drive};
 pub use optima::Optima;
 pub use page::page;
-pub use row::{Key, Row};
+pub use row::{TracksKey, TracksRow};
 pub use summary::{Summary, summarize, text_table};

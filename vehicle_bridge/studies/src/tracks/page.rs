@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use super::axes::Refused;
 use super::book::trace_name;
-use super::case::Case;
+use super::case::TracksCase;
 use super::cell::{Cell, cells};
-use super::row::Row;
+use super::row::TracksRow;
 use super::summary::{HEAD, Summary};
 use super::thumbnail::{Place, thumbnail};
 use svg_page::{card, escape, page as html_page, table};
@@ -16,7 +16,13 @@ const MOST_MAPS: usize = 100;
 
 /// The page.
 #[must_use]
-pub fn page(lead: &str, cases: &[Case], rows: &[Row], sums: &[Summary], no: &[Refused]) -> String {
+pub fn page(
+    lead: &str,
+    cases: &[TracksCase],
+    rows: &[TracksRow],
+    sums: &[Summary],
+    no: &[Refused],
+) -> String {
     let cells = cells(cases, rows);
     let failed = rows.iter().filter(|row| row.failed()).count();
     let mut body = facts(cases, rows, failed);
@@ -41,7 +47,7 @@ pub fn page(lead: &str, cases: &[Case], rows: &[Row], sums: &[Summary], no: &[Re
     html_page("Cars on tracks", lead, &body, "")
 }
 
-fn facts(cases: &[Case], rows: &[Row], failed: usize) -> String {
+fn facts(cases: &[TracksCase], rows: &[TracksRow], failed: usize) -> String {
     let fact = |value: String, what: &str, style: &str| {
         format!("<div class=\"fact {style}\"><b>{value}</b><span>{what}</span></div>")
     };
@@ -195,7 +201,7 @@ fn runs(cells: &[Cell<'_>]) -> String {
     card("Runs", "", &text)
 }
 
-fn line(run: &Row) -> String {
+fn line(run: &TracksRow) -> String {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("\u{2013}".to_owned(), |v| format!("{v:.digits$}"))
     };

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Key of a run.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Key {
+pub struct TracksKey {
     /// Name of the car.
     pub car: String,
     /// Name of the track.
@@ -19,7 +19,7 @@ pub struct Key {
 
 /// One run. A column without a value is empty.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Row {
+pub struct TracksRow {
     /// Name of the car.
     pub car: String,
     /// Name of the track.
@@ -82,10 +82,10 @@ pub struct Row {
     pub settings: String,
 }
 
-impl Row {
+impl TracksRow {
     /// A run that has not begun.
     #[must_use]
-    pub fn new(key: &Key) -> Self {
+    pub fn new(key: &TracksKey) -> Self {
         Self {
             car: key.car.clone(),
             track: key.track.clone(),
@@ -98,8 +98,8 @@ impl Row {
 
     /// Key of the run.
     #[must_use]
-    pub fn key(&self) -> Key {
-        Key {
+    pub fn key(&self) -> TracksKey {
+        TracksKey {
             car: self.car.clone(),
             track: self.track.clone(),
             plant: self.plant.clone(),

@@ -3,8 +3,8 @@
 use comfy_table::{Cell as Column, CellAlignment, Table, presets};
 use serde::Serialize;
 
-use super::case::Case;
-use super::row::Row;
+use super::case::TracksCase;
+use super::row::TracksRow;
 use racing::record::median;
 
 /// The track of a line that sums up all generated ones.
@@ -46,11 +46,11 @@ pub struct Summary {
 /// Sums up the runs of each cell in the order of the cases, all generated tracks of a car
 /// together.
 #[must_use]
-pub fn summarize(cases: &[Case], rows: &[Row]) -> Vec<Summary> {
-    let generated = |row: &Row| {
+pub fn summarize(cases: &[TracksCase], rows: &[TracksRow]) -> Vec<Summary> {
+    let generated = |row: &TracksRow| {
         cases.iter().any(|c| c.generated && c.key.car == row.car && c.key.track == row.track)
     };
-    let mut groups: Vec<([String; 3], Vec<&Row>)> = Vec::new();
+    let mut groups: Vec<([String; 3], Vec<&TracksRow>)> = Vec::new();
     for row in rows {
         let track = if generated(row) { GENERATED } else { &row.track };
         let name = [row.car.clone(), track.to_owned(), row.plant.clone()];
@@ -65,13 +65,14 @@ pub fn summarize(cases: &[Case], rows: &[Row]) -> Vec<Summary> {
 impl Summary {
     /// The sum of some runs.
     #[must_use]
-    pub fn of([car, track, plant]: [String; 3], rows: &[&Row]) -> Self {
+    pub fn of([car, track, plant]: [String; 3], rows: &[&TracksRow]) -> Self {
         let survived = || rows.iter().filter(|row| !row.failed());
         let most = |values: Vec<f64>| values.into_iter().reduce(f64::max);
         let middle = |mut values: Vec<f64>| Some(median(&mut values)).filter(|v| v.is_finite());
         let best: Vec<f64> = survived().filter_map(|row| row.best_lap_s).collect();
         let ratios: Vec<f64> = survived().filter_map(|row| row.ratio).collect();
-        let all = |of: fn(&Row) -> Option<f64>| rows.iter().filter_map(|row| of(row)).collect();
+        let all =
+            |of: fn(&TracksRow) -> Option<f64>| rows.iter().filter_map(|row| of(row)).collect();
         let solver: u64 = rows.iter().map(|row| row.solver_steps).sum();
         let clarabel: u64 = rows.iter().map(|row| row.clarabel_steps).sum();
         Self {

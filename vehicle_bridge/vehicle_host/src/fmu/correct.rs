@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::map::{Conversion, Entry};
-use super::trial::Finding;
+use super::trial::EntryFinding;
 
 /// The map as TOML with the findings in it, and the quantities whose lines were not found.
 #[must_use]
-pub fn correct(text: &str, findings: &[Finding]) -> (String, Vec<&'static str>) {
+pub fn correct(text: &str, findings: &[EntryFinding]) -> (String, Vec<&'static str>) {
     let (mut out, mut section) = (String::new(), String::new());
-    let mut left: Vec<&Finding> = findings.iter().filter(|f| f.is_change() || !f.sure).collect();
+    let mut left: Vec<&EntryFinding> =
+        findings.iter().filter(|f| f.is_change() || !f.sure).collect();
     for line in text.lines() {
         let trimmed = line.trim();
         if let Some(name) = trimmed.strip_prefix('[').and_then(|rest| rest.split(']').next()) {
@@ -37,7 +38,7 @@ pub fn correct(text: &str, findings: &[Finding]) -> (String, Vec<&'static str>) 
 }
 
 /// The entry with a finding's factor and offset.
-fn changed(entry: Entry, finding: &Finding) -> String {
+fn changed(entry: Entry, finding: &EntryFinding) -> String {
     let entry = match entry {
         Entry::Name(variable) => Conversion { variable, unit: None, scale: None, offset: None },
         Entry::Full(conversion) => conversion,
@@ -57,7 +58,7 @@ fn changed(entry: Entry, finding: &Finding) -> String {
     text + " }"
 }
 
-impl Finding {
+impl EntryFinding {
     /// Whether the map has to change.
     #[must_use]
     pub fn is_change(&self) -> bool {
@@ -90,7 +91,7 @@ mod tests {
                     delta = { variable = \"steer\", unit = \"deg\", scale = 2.0 }\n[state]\n\
                     speed = \"v\"\nside_slip = \"beta\"\nomega_z = \"r\"\nx = \"x\"\ny = \"y\"\n\
                     psi = { variable = \"hdg\", offset = 0.5 }\n";
-        let finding = |section, quantity, factor, offset, sure| Finding {
+        let finding = |section, quantity, factor, offset, sure| EntryFinding {
             section,
             quantity,
             factor,

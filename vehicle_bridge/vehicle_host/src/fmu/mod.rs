@@ -28,7 +28,7 @@ use element::find;
 pub use error::FmuError;
 pub use guess::{is_ours, map_of_ours, propose};
 use map::{Entry, Frame, Map, input_quantities, quantities_of};
-pub use slave::{CoSimInstance, Value, Variable};
+pub use slave::{CoSimInstance, ImportedVariable, VariableValue};
 use units::Dimension;
 
 /// Communication steps are cut so that none is longer than the map's, give or take this share.
@@ -60,7 +60,7 @@ pub struct FmuOptions {
 /// Variables in our order, each with factor and offset to our unit.
 #[derive(Debug, Default)]
 struct Group {
-    variables: Vec<Variable>,
+    variables: Vec<ImportedVariable>,
     conversions: Vec<(f64, f64)>,
     values: Vec<f64>,
     /// The first two are speed over ground and side slip.
@@ -284,14 +284,16 @@ impl Vehicle for FmuVehicle {
 
 impl FmuOptions {
     /// A parameter's value with the command line's words in it.
-    fn parameter(&self, name: &str, value: &toml::Value) -> Result<Value, FmuError> {
+    fn parameter(&self, name: &str, value: &toml::Value) -> Result<VariableValue, FmuError> {
         #[expect(clippy::cast_precision_loss, reason = "seeds and counts")]
         Ok(match value {
-            toml::Value::Float(number) => Value::Number(*number),
-            toml::Value::Integer(number) => Value::Number(*number as f64),
-            toml::Value::Boolean(flag) => Value::Boolean(*flag),
-            toml::Value::String(text) if text == "{seed}" => Value::Number(self.seed as f64),
-            toml::Value::String(text) => Value::Text(
+            toml::Value::Float(number) => VariableValue::Number(*number),
+            toml::Value::Integer(number) => VariableValue::Number(*number as f64),
+            toml::Value::Boolean(flag) => VariableValue::Boolean(*flag),
+            toml::Value::String(text) if text == "{seed}" => {
+                VariableValue::Number(self.seed as f64)
+            }
+            toml::Value::String(text) => VariableValue::Text(
                 text.replace("{track}", &self.track_name).replace("{car}", &self.car_name),
             ),
             other => {

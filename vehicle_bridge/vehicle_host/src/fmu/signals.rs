@@ -1,5 +1,6 @@
 //! What positions and rates over time say: speed, course, delay, lag.
 
+use actuators::Response;
 use vehicle_model::track::wrap_angle;
 
 /// What was driven and measured at an instant.
@@ -7,15 +8,6 @@ use vehicle_model::track::wrap_angle;
 pub(super) struct Sample {
     pub(super) time: f64,
     pub(super) q: [f64; 6],
-}
-
-/// How an input acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
-    /// Until it begins to act. \[s\]
-    pub delay: f64,
-    /// Time constant of a first-order lag that fits. \[s\]
-    pub lag: f64,
 }
 
 pub(super) fn way(samples: &[Sample]) -> f64 {

@@ -22,7 +22,7 @@ type Fmi3Instance = fmi::fmi3::instance::InstanceCS;
 
 /// A value for a variable, as a table has it.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+pub enum VariableValue {
     /// A number of any type.
     Number(f64),
     /// A truth value.
@@ -33,7 +33,7 @@ pub enum Value {
 
 /// A variable of an FMU, ready to be read and set.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Variable {
+pub struct ImportedVariable {
     /// Its name.
     pub name: String,
     kind: String,
@@ -100,7 +100,7 @@ impl CoSimInstance {
     ///
     /// # Errors
     /// [`FmuError::NoVariable`] if there is no such variable or element.
-    pub fn variable(&self, name: &str) -> Result<Variable, FmuError> {
+    pub fn variable(&self, name: &str) -> Result<ImportedVariable, FmuError> {
         let (row, element) = find(&self.inspection, name).map_err(|reason| {
             FmuError::NoVariable { path: self.path.clone(), name: name.to_owned(), reason }
         })?;
@@ -108,7 +108,7 @@ impl CoSimInstance {
             path: self.path.clone(),
             reason: format!("{name}: value reference `{}` is no number", row.value_reference),
         })?;
-        Ok(Variable { name: name.to_owned(), kind: row.kind.clone(), reference, element })
+        Ok(ImportedVariable { name: name.to_owned(), kind: row.kind.clone(), reference, element })
     }
 
     fn outcome<T, E: std::fmt::Display>(
@@ -127,9 +127,9 @@ impl CoSimInstance {
     ///
     /// # Errors
     /// [`FmuError`] if the FMU refuses one.
-    pub fn set_numbers(&mut self, to: &[Variable], values: &[f64]) -> Result<(), FmuError> {
+    pub fn set_numbers(&mut self, to: &[ImportedVariable], values: &[f64]) -> Result<(), FmuError> {
         for (variable, value) in to.iter().zip(values) {
-            self.set(variable, &Value::Number(*value))?;
+            self.set(variable, &VariableValue::Number(*value))?;
         }
         Ok(())
     }
@@ -138,7 +138,7 @@ impl CoSimInstance {
     ///
     /// # Errors
     /// [`FmuError`] if the value does not fit its type, or the FMU refuses it.
-    pub fn set(&mut self, to: &Variable, value: &Value) -> Result<(), FmuError> {
+    pub fn set(&mut self, to: &ImportedVariable, value: &VariableValue) -> Result<(), FmuError> {
         let vr = [to.reference];
         let what = || format!("setting {}", to.name);
         let misfit = || FmuError::Misfit {
@@ -147,29 +147,29 @@ impl CoSimInstance {
             kind: to.kind.clone(),
             found: format!("{value:?}"),
         };
-        if let (Some(element), Value::Number(v)) = (to.element, value) {
+        if let (Some(element), VariableValue::Number(v)) = (to.element, value) {
             return self.set_element(to, element, *v);
         }
         #[expect(clippy::cast_possible_truncation, reason = "whole numbers of the right size")]
         match (&mut self.instance, to.kind.as_str(), value) {
-            (Instance::Two(i, _), "Real", Value::Number(v)) => {
+            (Instance::Two(i, _), "Real", VariableValue::Number(v)) => {
                 let done = i.set_real(&vr, &[*v]).map(drop);
                 self.outcome(&what(), done)
             }
-            (Instance::Two(i, _), "Integer" | "Enumeration", Value::Number(v)) => {
+            (Instance::Two(i, _), "Integer" | "Enumeration", VariableValue::Number(v)) => {
                 let done = i.set_integer(&vr, &[*v as i32]).map(drop);
                 self.outcome(&what(), done)
             }
-            (Instance::Two(i, _), "Boolean", Value::Boolean(v)) => {
+            (Instance::Two(i, _), "Boolean", VariableValue::Boolean(v)) => {
                 let done = i.set_boolean(&vr, &[i32::from(*v)]).map(drop);
                 self.outcome(&what(), done)
             }
-            (Instance::Two(i, _), "String", Value::Text(v)) => {
+            (Instance::Two(i, _), "String", VariableValue::Text(v)) => {
                 let text = CString::new(v.as_str()).map_err(|_| misfit())?;
                 let done = i.set_string(&vr, &[text]);
                 self.outcome(&what(), done)
             }
-            (Instance::Three(i, _), kind, Value::Number(v)) => {
+            (Instance::Three(i, _), kind, VariableValue::Number(v)) => {
                 let done = match kind {
                     "Float64" => i.set_float64(&vr, &[*v]),
                     "Float32" => i.set_float32(&vr, &[*v as f32]),
@@ -179,11 +179,11 @@ impl CoSimInstance {
                 };
                 self.outcome(&what(), done.map(drop))
             }
-            (Instance::Three(i, _), "Boolean", Value::Boolean(v)) => {
+            (Instance::Three(i, _), "Boolean", VariableValue::Boolean(v)) => {
                 let done = i.set_boolean(&vr, &[*v]).map(drop);
                 self.outcome(&what(), done)
             }
-            (Instance::Three(i, _), "String", Value::Text(v)) => {
+            (Instance::Three(i, _), "String", VariableValue::Text(v)) => {
                 let text = CString::new(v.as_str()).map_err(|_| misfit())?;
                 let done = i.set_string(&vr, &[text]);
                 self.outcome(&what(), done)
@@ -193,7 +193,12 @@ impl CoSimInstance {
     }
 
     /// Sets an array with this element in it, and all others as they were set last.
-    fn set_element(&mut self, to: &Variable, element: Element, v: f64) -> Result<(), FmuError> {
+    fn set_element(
+        &mut self,
+        to: &ImportedVariable,
+        element: Element,
+        v: f64,
+    ) -> Result<(), FmuError> {
         let row = find(&self.inspection, &to.name).ok().map(|(row, _)| row);
         let array = self.arrays.entry(to.reference).or_insert_with(|| {
             row.map_or_else(Vec::new, |row| element::starts(row, element.count))
@@ -213,7 +218,7 @@ impl CoSimInstance {
         self.outcome(&format!("setting {}", to.name), done.map(drop))
     }
 
-    fn element(&mut self, of: &Variable, element: Element) -> Result<f64, FmuError> {
+    fn element(&mut self, of: &ImportedVariable, element: Element) -> Result<f64, FmuError> {
         let vr = [of.reference];
         let mut all = vec![0.0; element.count];
         let found = match (&mut self.instance, of.kind.as_str()) {
@@ -230,7 +235,7 @@ impl CoSimInstance {
         Ok(all.get(element.index).copied().unwrap_or(f64::NAN))
     }
 
-    fn no_array(&self, of: &Variable) -> FmuError {
+    fn no_array(&self, of: &ImportedVariable) -> FmuError {
         FmuError::Misfit {
             path: self.path.clone(),
             name: of.name.clone(),
@@ -243,14 +248,14 @@ impl CoSimInstance {
     ///
     /// # Errors
     /// [`FmuError`] if a variable is not a number, or the FMU refuses to read it.
-    pub fn numbers(&mut self, of: &[Variable], values: &mut [f64]) -> Result<(), FmuError> {
+    pub fn numbers(&mut self, of: &[ImportedVariable], values: &mut [f64]) -> Result<(), FmuError> {
         for (variable, value) in of.iter().zip(values) {
             *value = self.number(variable)?;
         }
         Ok(())
     }
 
-    fn number(&mut self, of: &Variable) -> Result<f64, FmuError> {
+    fn number(&mut self, of: &ImportedVariable) -> Result<f64, FmuError> {
         if let Some(element) = of.element {
             return self.element(of, element);
         }

@@ -6,10 +6,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+pub use actuators::Response;
+
 use vehicle_model::track::wrap_angle;
 use vehicle_model::{CarParams, Input};
 
-pub use super::signals::Response;
 use super::signals::{
     Sample, course, derivative, median, period, response, speed_at_end, speed_read, speeds, stride,
     way,
@@ -29,7 +30,7 @@ pub trait TrialCar {
 
 /// What is wrong with an entry of a map, or that nothing is.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct EntryFinding {
     /// `input` or `state`.
     pub section: &'static str,
     /// The quantity.
@@ -48,7 +49,7 @@ pub struct Finding {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// One for each quantity of the map.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<EntryFinding>,
     /// Of the acceleration.
     pub throttle: Response,
     /// Of the yaw rate on a step of steering: the actuator's and the car's own.
@@ -255,7 +256,7 @@ impl Seen {
     }
 
     /// Sense and zero of the heading: on the straight it is the course.
-    fn heading(&self) -> Finding {
+    fn heading(&self) -> EntryFinding {
         let straight = course(&self.coasting);
         let from = straight.last().map_or(0.0, |c| c.1);
         let to = course(&self.turned).last().map_or(0.0, |c| c.1);
@@ -282,7 +283,7 @@ impl Seen {
 
     /// Sense of the lateral velocity, from the angle between heading and course. Its size is small and
     /// is not judged.
-    fn lateral(&self, psi: &Finding, pace: f64) -> Finding {
+    fn lateral(&self, psi: &EntryFinding, pace: f64) -> EntryFinding {
         let n = stride(&self.turned);
         let slips = course(&self.turned).into_iter().enumerate().filter_map(|(i, (_, towards))| {
             // Between the two positions whose course it is.
@@ -304,22 +305,29 @@ impl Seen {
             note += "; positive the other way";
         }
         let factor = agreement.signum();
-        Finding { section: "state", quantity: "v_y", factor, offset: 0.0, note, sure: psi.sure }
+        EntryFinding {
+            section: "state",
+            quantity: "v_y",
+            factor,
+            offset: 0.0,
+            note,
+            sure: psi.sure,
+        }
     }
 }
 
-fn unknown(quantity: &'static str) -> Finding {
+fn unknown(quantity: &'static str) -> EntryFinding {
     let note = "too small in this trial to tell its sense".to_owned();
-    Finding { section: "state", quantity, factor: 1.0, offset: 0.0, note, sure: false }
+    EntryFinding { section: "state", quantity, factor: 1.0, offset: 0.0, note, sure: false }
 }
 
 /// A measured quantity against the positions.
-fn compared(quantity: &'static str, ratio: f64, of: &str) -> Finding {
+fn compared(quantity: &'static str, ratio: f64, of: &str) -> EntryFinding {
     snapped("state", quantity, ratio, NEAR, of, &[&UNITS[..], &WRONG_UNITS[..]].concat())
 }
 
 /// What an input does against what it should.
-fn answered(section: &'static str, quantity: &'static str, ratio: f64, of: &str) -> Finding {
+fn answered(section: &'static str, quantity: &'static str, ratio: f64, of: &str) -> EntryFinding {
     snapped(section, quantity, ratio, NEAR_ANSWER, of, &UNITS)
 }
 
@@ -330,7 +338,7 @@ fn snapped(
     near: f64,
     of: &str,
     units: &[(f64, &str)],
-) -> Finding {
+) -> EntryFinding {
     let distance = |unit: f64| (ratio.abs() / unit).ln().abs();
     let known = units.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
     let found = known.filter(|(unit, _)| distance(*unit) < near && ratio.is_finite());
@@ -344,11 +352,11 @@ fn snapped(
             if !name.is_empty() {
                 note = format!("{note}; in {name}");
             }
-            Finding { section, quantity, factor: sense * unit, offset: 0.0, note, sure: true }
+            EntryFinding { section, quantity, factor: sense * unit, offset: 0.0, note, sure: true }
         }
         None => {
             note += "; the ratio of no unit known here";
-            Finding { section, quantity, factor: sense, offset: 0.0, note, sure: false }
+            EntryFinding { section, quantity, factor: sense, offset: 0.0, note, sure: false }
         }
     }
 }
