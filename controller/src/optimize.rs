@@ -183,6 +183,7 @@ impl Workspace {
         let (dt, v_x) = (setup.config.horizon.period, memory.plan.x[0].v_x);
         let ahead = || memory.prediction_error.covariance(v_x, dt);
         let covariance = memory.estimate.covariance().unwrap_or_else(ahead);
+        let (noisy, sigmas) = (memory.estimate.filters(), setup.config.limits.uncertainty);
         let room = lane::unsure(setup, &covariance) + lane::untried(setup, memory.learned_laps);
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
@@ -201,13 +202,13 @@ impl Workspace {
             let share = 1.0 - setup.config.limits.slip_reserve * far;
             let rear_load = setup.config.limits.rear_load;
             let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
-            let sigmas = setup.config.limits.uncertainty;
-            let known = |share: f64, row, max: f64| {
-                (share - sigmas * slip::deviation(&covariance, row) / max).max(slip::LEAST_SHARE)
-            };
             let problem = &mut self.problem;
-            problem.front_share[t] = known(share, &problem.front[t], problem.front_max);
-            problem.rear_share[t] = known(share * load, &problem.rear[t], problem.rear_max);
+            let kept = |row, max| sigmas * slip::deviation(&covariance, row) / max;
+            let front = share - kept(&problem.front[t], problem.front_max);
+            problem.front_share[t] = front.max(slip::LEAST_SHARE);
+            // Room for noise made cars slower that were off the track as often.
+            let kept = if noisy { 0.0 } else { kept(&problem.rear[t], problem.rear_max) };
+            problem.rear_share[t] = (share * load - kept).max(slip::LEAST_SHARE);
             let lane = lane::bounds(setup, self.outline.as_ref(), next, room);
             [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
