@@ -111,8 +111,8 @@ impl Controller {
         let acted = measurement.applied.or(sample.map(|sample| sample.u));
         let observed = observer.observe(&mut self.memory, measurement);
         let memory = &mut self.memory;
-        let told = memory.recovery.is_none() && !memory.estimate.filters();
-        let now = observed.as_ref().ok().filter(|now| told && now.reason == Reason::None);
+        let racing = memory.recovery.is_none();
+        let now = observed.as_ref().ok().filter(|now| racing && now.reason == Reason::None);
         memory.prediction_error.compare(now.map(|now| &now.state));
         if let (Some(last), Ok(now)) = (last, &observed)
             && now.reason == Reason::None
