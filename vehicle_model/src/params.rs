@@ -8,6 +8,7 @@ mod check;
 mod file;
 mod keys;
 mod tyre_file;
+mod units;
 
 use serde::{Deserialize, Serialize};
 

@@ -122,3 +122,25 @@ fn published_cornering_stiffness_is_the_slope_of_the_tyre_curve() {
         assert!((switch - 7.319).abs() < 1e-2, "{name}: {switch}");
     }
 }
+
+#[test]
+fn numbers_in_another_unit_are_named_with_what_they_do_not_fit() {
+    for name in CarParams::builtin_names() {
+        assert!(CarParams::builtin(name).is_ok(), "{name}");
+    }
+    let cases = [
+        ("l_f_m = 0.13 ", "l_f_m = 130 ", "length_m: found 0.37 beside a wheelbase of 130.13"),
+        ("length_m = 0.37", "length_m = 370", "length_m: found 370 beside a wheelbase of 0.26"),
+        ("width_m = 0.195", "width_m = 19.5", "width_m: found 19.5 beside a length of 0.37"),
+        ("0.02723", "27.23", "inertia_z_kgm2: found 2.723e1 beside a mass"),
+        ("2.2187", "1e300", "inertia_z_kgm2: found 2.723e-2 beside a mass of 1e300 kg"),
+        ("a_max_mps2 = 2.0", "a_max_mps2 = 2000.0", "a_max_mps2: found 2000, expected at most 100"),
+        ("mu = 0.9 ", "mu = 90 ", "tyre_front.mu: found 90, expected a coefficient of at most 5"),
+        ("b = 5.0 ", "b = 0.087 ", "a peak at 9.5 rad of slip, expected one below pi/2"),
+        ("width_m", "h_cg_m = 74\nwidth_m", "h_cg_m: found 74 beside a wheelbase of 0.26"),
+    ];
+    for (from, to, expected) in cases {
+        let message = CarParams::from_toml(&BARC.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(message.contains(expected) && message.contains("line "), "{to}: {message}");
+    }
+}

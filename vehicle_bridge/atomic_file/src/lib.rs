@@ -2,7 +2,8 @@
 //!
 //! [`replace`] writes `NAME.new`, syncs it, keeps the present file as `NAME.bak`, renames the new file
 //! over `NAME` and syncs the folder. A process that is killed at any point leaves whole files under
-//! `NAME` and `NAME.bak`.
+//! `NAME` and `NAME.bak`. What is no file, as a device or a pipe, is written to and not replaced; of a
+//! link the file that it leads to is replaced.
 
 use std::fs::{self, File};
 use std::io;
@@ -13,6 +14,11 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// If the new file cannot be written or renamed; the present one is then untouched.
 pub fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
+    if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return write(&File::options().write(true).open(path)?);
+    }
+    let target = if path.is_symlink() { fs::canonicalize(path)? } else { path.to_owned() };
+    let path = target.as_path();
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder {
         fs::create_dir_all(folder)?;
@@ -78,6 +84,25 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"third");
         assert_eq!(fs::read(backup(&path)).unwrap(), b"other");
         assert!(!suffixed(&path, ".new").exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_replaced_and_a_link_stays_one() {
+        let folder = tempfile::tempdir().unwrap();
+        // A socket, which cannot be opened for writing.
+        let path = folder.path().join("socket");
+        let socket = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        replace(&path, |mut file| file.write_all(b"first")).unwrap_err();
+        assert!(!fs::metadata(&path).unwrap().is_file());
+        drop(socket);
+        let (link, real) = (folder.path().join("link"), folder.path().join("real"));
+        fs::write(&real, b"first").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        replace(&link, |mut file| file.write_all(b"other")).unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read(&real).unwrap(), b"other");
+        assert_eq!(fs::read(backup(&real)).unwrap(), b"first");
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub struct OptimumArgs {
     pub track: String,
     /// Distance the centre of gravity keeps from both edges; by default the lane margin the
     /// controller keeps with this car
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub margin: Option<f64>,
     /// Configuration file whose lane margin is kept
     #[arg(long, value_name = "FILE", conflicts_with = "margin")]

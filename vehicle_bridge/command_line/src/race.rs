@@ -137,17 +137,17 @@ pub struct ControllerArgs {
     #[arg(long, value_enum, value_name = "MODEL")]
     pub nominal: Option<NominalName>,
     /// Kernel bandwidth h of the regression
-    #[arg(long, value_name = "H")]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub bandwidth: Option<f64>,
     /// Cost of the control rate, c_du ("CRC" in the paper)
-    #[arg(long, value_name = "C")]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
     pub control_rate_cost: Option<f64>,
     /// Do not fit the nominal model's grip after each lap
     #[arg(long)]
     pub no_grip_adaptation: bool,
     /// Grip the controller believes in; by default 1.2 for the small car, whose true grip is
     /// 0.9, and the car's own for every other
-    #[arg(long, value_name = "MU")]
+    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
     pub nominal_mu: Option<f64>,
     /// Changes of the simulated car.
     #[arg(long, value_name = "NAME=VALUE,..", value_delimiter = ',', long_help = PLANT_HELP,

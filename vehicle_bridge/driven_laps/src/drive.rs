@@ -117,7 +117,7 @@ pub fn drive(
     driven
 }
 
-fn median_interval(states: &[Recorded]) -> f64 {
+pub(super) fn median_interval(states: &[Recorded]) -> f64 {
     let mut all: Vec<f64> =
         states.iter().zip(states.iter().skip(1)).map(|(a, b)| b.time - a.time).collect();
     all.sort_by(f64::total_cmp);

@@ -12,7 +12,7 @@ mod table;
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use controller::Pose;
 use vehicle_model::Input;
 
@@ -59,6 +59,9 @@ pub enum InputChoice {
     Reckoned,
 }
 
+/// Longest interval of the states: what the car does between states further apart is unknown [s].
+const MOST_INTERVAL: f64 = 2.0;
+
 /// Reads an event log of LCM or a table in CSV.
 ///
 /// # Errors
@@ -75,5 +78,13 @@ pub fn read(path: &Path, channel: &str) -> Result<Recording> {
     let before = recording.states.len();
     recording.states.dedup_by(|later, earlier| later.time <= earlier.time);
     recording.unusable += (before - recording.states.len()) as u64;
+    let interval = drive::median_interval(&recording.states);
+    if recording.states.len() > 1 && interval > MOST_INTERVAL {
+        bail!(
+            "{}: the states are {interval:.1} s apart, expected at most {MOST_INTERVAL} s; check that \
+             the times are in seconds",
+            shown()
+        );
+    }
     Ok(recording)
 }

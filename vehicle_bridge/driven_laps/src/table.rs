@@ -137,7 +137,12 @@ impl Table {
             .flexible(true)
             .from_reader(text.as_bytes());
         let header = reader.headers().with_context(|| format!("{shown} is no table in CSV"))?;
-        let header = header.iter().map(str::to_lowercase).collect();
+        // The unit may stand behind the name: `x [m]`, `t (s)`.
+        let name = |column: &str| {
+            let name = column.split_once(['[', '(']).map_or(column, |(name, _)| name);
+            name.trim_end().to_lowercase()
+        };
+        let header = header.iter().map(name).collect();
         let rows = reader.records().map(|row| row.map(|r| r.iter().map(str::to_owned).collect()));
         let rows =
             rows.collect::<Result<_, _>>().with_context(|| format!("cannot read {shown}"))?;

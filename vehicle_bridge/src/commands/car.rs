@@ -31,6 +31,12 @@ pub(super) fn run(args: &CarFileArgs) -> Result<Outcome> {
 }
 
 fn new(args: &NewCarArgs) -> Result<Outcome> {
+    if args.name.trim().is_empty() || args.name.contains(['/', '\\']) {
+        bail!(
+            "`{}` is no name of a car; expected words without a slash, and the folder with --out",
+            args.name
+        );
+    }
     let mut car = load::car(&args.like)?;
     car.name.clone_from(&args.name);
     let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", args.name)));

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 
 /// Makes a folder for results.
 ///
@@ -20,6 +20,9 @@ pub(super) fn results(folder: &Path) -> Result<()> {
 /// # Errors
 /// If its folder is missing or cannot be written.
 pub(super) fn file(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        bail!("cannot save to {}: it is a folder, expected a file", path.display());
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     writable(folder.unwrap_or(Path::new(".")))
         .with_context(|| format!("cannot save {}", path.display()))

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use controller::{Config, Controller};
 use lcm_types::channels;
 use vehicle_model::{Plant, PlantParams, State, Track};
@@ -226,6 +226,9 @@ pub(super) fn replay(args: &ReplayArgs) -> Result<Outcome> {
     let log =
         File::open(&args.log).with_context(|| format!("cannot read {}", args.log.display()))?;
     let found = replay::replay(BufReader::new(log), &mut controller)?;
+    if found.commands == 0 && found.damage.places == 0 && found.unreadable == 0 {
+        bail!("{}: no commands of a controller; expected a log with LMPC/CMD", args.log.display());
+    }
     result(&format!("{} of {} commands identical", found.identical, found.commands))?;
     if let Some(seq) = found.first_difference {
         result(&format!("the first that differs is number {seq}"))?;

@@ -105,6 +105,9 @@ impl CarParams {
         let file: CarFile = toml::from_str(text).map_err(ModelError::CarSyntax)?;
         let (car, mut problems) = file.into_params();
         problems.extend(car.validate());
+        if problems.is_empty() {
+            problems.extend(super::units::mistakes(&car));
+        }
         for problem in &mut problems {
             problem.line = line_of_key(text, problem.section, problem.key);
         }

@@ -1,7 +1,12 @@
 //! What a track has along s besides its line and widths: bank, slope, friction, speed limits.
 
 use super::{Surface, Track, fingerprint};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::FRAC_PI_3;
+
+/// Largest bank and slope; a wall of death is no track \[rad\].
+const STEEPEST: f64 = FRAC_PI_3;
+/// Largest factor of the tyres' friction: 80 is one in per cent \[-\].
+const MOST_FRICTION: f64 = 3.0;
 
 /// What holds at a place of the centre line. What is `None` is not stated there: bank, slope and
 /// friction are linear between the places that state them, a speed limit holds from its place on.
@@ -10,12 +15,12 @@ pub struct Station {
     /// Progress along the centre line, in [0, L) \[m\].
     pub s: f64,
     /// Angle of the surface about the direction of driving, positive where the left edge is the
-    /// higher one (ISO 8855: a right-hand rotation about x), in (-pi/2, pi/2) \[rad\].
+    /// higher one (ISO 8855: a right-hand rotation about x), at most pi/3 \[rad\].
     pub bank: Option<f64>,
-    /// Angle of the centre line above the horizontal, positive uphill, in (-pi/2, pi/2) \[rad\].
+    /// Angle of the centre line above the horizontal, positive uphill, at most pi/3 \[rad\].
     /// Lengths of the track are horizontal ones.
     pub slope: Option<f64>,
-    /// Factor of the tyres' peak friction, above 0 \[-\].
+    /// Factor of the tyres' peak friction, above 0 and at most 3 \[-\].
     pub friction: Option<f64>,
     /// Highest speed allowed from here on, above 0; infinity for none \[m/s\].
     pub speed_limit: Option<f64>,
@@ -94,8 +99,8 @@ type Wrong = (&'static str, f64, &'static str);
 impl Station {
     /// The first thing wrong with the station on a track of this length.
     pub(super) fn wrong(&self, length: f64) -> Option<Wrong> {
-        let angle = |a: f64| a.abs() < FRAC_PI_2;
-        let angles = "an angle between -pi/2 and pi/2";
+        let angle = |a: f64| a.abs() <= STEEPEST;
+        let angles = "an angle between -pi/3 and pi/3";
         let positive = |v: f64| v > 0.0;
         let checks: [(&str, Option<f64>, bool, &str); 5] = [
             ("s", Some(self.s), (0.0..length).contains(&self.s), "a place from 0 up to the length"),
@@ -104,8 +109,8 @@ impl Station {
             (
                 "friction",
                 self.friction,
-                self.friction.is_none_or(|v| positive(v) && v.is_finite()),
-                "a factor above 0",
+                self.friction.is_none_or(|v| positive(v) && v <= MOST_FRICTION),
+                "a factor above 0, at most 3",
             ),
             (
                 "speed_limit",

@@ -36,8 +36,8 @@ pub enum TrackError {
     },
     /// The text gives no widths, and none was given beside it.
     #[error(
-        "line {line}: no widths; expected columns w_tr_right_m and w_tr_left_m, or a width for \
-         the whole track beside the file (`--width METRES`)"
+        "line {line}: no widths; expected columns w_tr_right_m and w_tr_left_m (in GeoJSON a property \
+         `width`), or a width for the whole track beside the file (`--width METRES`)"
     )]
     NoWidth {
         /// Line, from 1.

@@ -51,7 +51,7 @@ fn turns(points: &[TrackPoint]) -> Vec<f64> {
 }
 
 /// The middle one of the values.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()

@@ -24,6 +24,8 @@ const DENSITY: (usize, usize) = (2, 32);
 const MOST_KNOTS: usize = 100_000;
 /// Fewest points of a track.
 pub(super) const FEWEST: usize = 8;
+/// Largest coordinate and width: more than twice around the earth [m].
+const FARTHEST: f64 = 1e8;
 /// Points closer than this are the same point [m].
 pub(super) const SAME: f64 = 1e-6;
 /// Largest turn from one chord to the next, just above that of a regular octagon [rad].
@@ -163,12 +165,12 @@ pub(super) fn bad_numbers(
     let mut problems = Vec::new();
     for (i, p) in points.iter().enumerate() {
         for (key, found, ok, expected) in [
-            ("x", p.x, true, "a finite number"),
-            ("y", p.y, true, "a finite number"),
-            ("width_left", p.width_left, p.width_left > 0.0, "a width above 0 m"),
-            ("width_right", p.width_right, p.width_right > 0.0, "a width above 0 m"),
+            ("x", p.x, true, "metres from -1e8 to 1e8"),
+            ("y", p.y, true, "metres from -1e8 to 1e8"),
+            ("width_left", p.width_left, p.width_left > 0.0, "a width above 0 m, at most 1e8 m"),
+            ("width_right", p.width_right, p.width_right > 0.0, "a width above 0 m, at most 1e8 m"),
         ] {
-            if !(found.is_finite() && ok) {
+            if !(found.abs() <= FARTHEST && ok) {
                 problems.push(TrackError::Value { item: item(i), key, found, expected });
             }
         }

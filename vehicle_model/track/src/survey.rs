@@ -12,6 +12,11 @@ use super::smooth::{self, Smoothed, Strength};
 const MOST_MOVE: f64 = 0.15;
 /// A point this share of the track's width from the line of the others is an error in the file.
 const OUTLIER: f64 = 0.3;
+/// Noise of up to this share of the mean width is what smoothing is for: both limits then are at least
+/// this many of its standard deviations.
+const NOISE: (f64, f64) = (0.1, 5.0);
+/// Median of the absolute value of what [`noise`] takes from the points, in standard deviations of theirs.
+const MEDIAN: f64 = 0.6745 * 2.0917;
 /// Points stay where they are if smoothing would change the curvature through three neighbours by
 /// no more than this share of the largest curvature.
 const SAME_CURVATURE: f64 = 0.03;
@@ -48,7 +53,7 @@ pub(super) fn build(
     let strength = match options.smooth {
         Some(distance) if distance <= 0.0 => None,
         Some(distance) => Some(Strength::Moves(distance)),
-        None => Some(Strength::Automatic(MOST_MOVE * mean_width(&survey))),
+        None => Some(Strength::Automatic(most(MOST_MOVE, mean_width(&survey), noise(&survey)))),
     };
     let line = match strength {
         Some(strength) if survey.len() >= points::FEWEST => {
@@ -121,6 +126,29 @@ pub(super) fn mean_width(points: &[TrackPoint]) -> f64 {
     points.iter().map(|p| p.width_left + p.width_right).sum::<f64>() / points.len() as f64
 }
 
+/// Standard deviation of the points across the line, from the middle one of their fourth differences,
+/// which neither bends nor single wrong points change much [m].
+fn noise(survey: &[TrackPoint]) -> f64 {
+    let n = survey.len();
+    if n < points::FEWEST {
+        return 0.0;
+    }
+    let across = (0..n).map(|i| {
+        let [a, b, p, c, d] = [2, 1, 0, n - 1, n - 2].map(|back| &survey[(i + n - back) % n]);
+        let (x, y) = (c.x - b.x, c.y - b.y);
+        let fourth = |a: f64, b: f64, p: f64, c: f64, d: f64| 1.5 * p - b - c + 0.25 * (a + d);
+        let (dx, dy) = (fourth(a.x, b.x, p.x, c.x, d.x), fourth(a.y, b.y, p.y, c.y, d.y));
+        (x * dy - y * dx).abs() / (x * x + y * y).sqrt().max(points::SAME)
+    });
+    outliers::median(across) / MEDIAN
+}
+
+/// A limit of a share of the width, or more where noise asks for it [m].
+fn most(share: f64, width: f64, noise: f64) -> f64 {
+    let limit = share * width;
+    if noise <= NOISE.0 * width { limit.max(NOISE.1 * noise) } else { limit }
+}
+
 /// What is wrong with the ends of the list.
 fn check_gap(survey: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Result<(), Vec<TrackError>> {
     let gap: Vec<TrackError> = points::bad_shape(survey, item)
@@ -142,6 +170,7 @@ fn check_jumps(
         let (a, b, c) = (at(i + n - 1), at(i), at(i + 1));
         (b.x - 0.5 * (a.x + c.x), b.y - 0.5 * (a.y + c.y))
     };
+    let noise = noise(survey);
     let mut wrong = Vec::new();
     for (i, p) in survey.iter().enumerate() {
         let (before, own, after) = (bend(i + n - 1), bend(i), bend(i + 1));
@@ -149,7 +178,7 @@ fn check_jumps(
         let square = own.0 * own.0 + own.1 * own.1;
         let (a, c) = (at(i + n - 1), at(i + 1));
         let off = ((c.x - a.x) * own.1 - (c.y - a.y) * own.0).abs() / distance(a, c);
-        let limit = OUTLIER * (p.width_left + p.width_right);
+        let limit = most(OUTLIER, p.width_left + p.width_right, noise);
         if off > limit && against(before).max(against(after)) < -0.25 * square {
             wrong.push(Far { point: i, distance: off, limit });
         }
@@ -173,10 +202,12 @@ fn smoothed(
         })
         .collect();
     if matches!(strength, Strength::Automatic(_)) {
+        let noise = noise(survey);
         let alone = 1.0 / (1.0 - smooth.leverage).max(0.1);
         let wrong: Vec<Far> = (0..n)
             .filter_map(|i| {
-                let limit = OUTLIER * (survey[i].width_left + survey[i].width_right);
+                let width = survey[i].width_left + survey[i].width_right;
+                let limit = most(OUTLIER, width, noise);
                 let distance = alone * moved[i];
                 let peak = moved[i] >= moved[(i + 1) % n] && moved[i] >= moved[(i + n - 1) % n];
                 (peak && distance > limit).then_some(Far { point: i, distance, limit })

@@ -177,10 +177,10 @@ angle_deg = 90.0
         [
             "line 1, column 1: no width_right_m; expected the distance from centre line to edge \
              [m]",
-            "line 2, column 16: width_left_m is -4.5; expected a number above 0",
+            "line 2, column 16: width_left_m is -4.5; expected a number above 0, at most 1e8",
             "line 3, column 1: unknown key `widht_right_m`; expected one of name, width_left_m, \
              width_right_m, segment, station",
-            "line 6, column 12: length_m is of type string; expected a number above 0",
+            "line 6, column 12: length_m is of type string; expected a number above 0, at most 1e8",
             "line 9, column 12: radius_m is 0.0; expected a number other than 0, positive to the \
              left",
             "line 10, column 13: angle_deg is 400; expected a number above 0 and below 360",

@@ -154,9 +154,10 @@ fn numbers_out_of_range() {
     }
     let mut points = ellipse(90);
     points[2].y = f64::NAN;
-    assert_eq!(refused_points(&points).to_string(), "point 3: y is NaN, expected a finite number");
+    let text = "point 3: y is NaN, expected metres from -1e8 to 1e8";
+    assert_eq!(refused_points(&points).to_string(), text);
     let mut points = ellipse(90);
     points[2].width_right = 0.0;
-    let text = "point 3: width_right is 0, expected a width above 0 m";
+    let text = "point 3: width_right is 0, expected a width above 0 m, at most 1e8 m";
     assert_eq!(refused_points(&points).to_string(), text);
 }

@@ -4,16 +4,22 @@
 const TTL: usize = 17;
 /// Number of columns of a TUM raceline.
 const RACELINE: usize = 7;
-/// Names of the quantities that a column may hold, in lower case.
+/// Units in which a column is taken as it is.
+const UNITS: [&str; 10] =
+    ["", "m", "meter", "meters", "metre", "metres", "deg", "degree", "degrees", "\u{b0}"];
+/// Units that a column may not have.
+const FOREIGN: [&str; 12] =
+    ["km", "dm", "cm", "mm", "ft", "feet", "foot", "yd", "in", "mi", "rad", "gon"];
+/// Names of the quantities that a column may hold, in lower case and without the unit.
 const NAMES: [(Quantity, &[&str]); 8] = [
-    (Quantity::X, &["x_m", "x", "x_ref_m", "east", "easting", "east_m"]),
-    (Quantity::Y, &["y_m", "y", "y_ref_m", "north", "northing", "north_m"]),
-    (Quantity::Right, &["w_tr_right_m", "width_right_m", "width_right", "w_right", "right"]),
-    (Quantity::Left, &["w_tr_left_m", "width_left_m", "width_left", "w_left", "left"]),
-    (Quantity::Width, &["width_m", "width", "w_m", "w"]),
-    (Quantity::Latitude, &["lat", "latitude", "lat_deg", "latitude_deg"]),
-    (Quantity::Longitude, &["lon", "lng", "long", "longitude", "lon_deg", "longitude_deg"]),
-    (Quantity::Height, &["height", "height_m", "alt", "altitude", "altitude_m", "ele", "z", "z_m"]),
+    (Quantity::X, &["x", "x_ref", "east", "easting"]),
+    (Quantity::Y, &["y", "y_ref", "north", "northing"]),
+    (Quantity::Right, &["w_tr_right", "width_right", "right_width", "w_right", "right"]),
+    (Quantity::Left, &["w_tr_left", "width_left", "left_width", "w_left", "left"]),
+    (Quantity::Width, &["width", "w"]),
+    (Quantity::Latitude, &["lat", "latitude"]),
+    (Quantity::Longitude, &["lon", "lng", "long", "longitude"]),
+    (Quantity::Height, &["height", "alt", "altitude", "ele", "elevation", "z"]),
 ];
 
 /// What a column may hold.
@@ -62,18 +68,50 @@ pub(super) struct Columns {
     pub widths: WidthColumns,
     /// Column of the height.
     pub height: Option<usize>,
+    /// Column of one of these whose unit is another than metres or degrees.
+    pub foreign: Option<usize>,
+}
+
+/// The words of a header or of a line of units, without quotation marks and in lower case; and whether
+/// commas, semicolons or tabs separate them.
+fn words(header: &str) -> (Vec<String>, bool) {
+    let separators: &[char] = &[',', ';', '\t'];
+    let header = header.trim().trim_end_matches(separators);
+    let separated = header.contains(separators);
+    let words: Vec<&str> = match separated {
+        true => header.split(separators).collect(),
+        false => header.split_whitespace().collect(),
+    };
+    let plain = |word: &str| word.trim().trim_matches(['"', '\'']).trim().to_lowercase();
+    (words.into_iter().map(plain).collect(), separated)
+}
+
+/// A name and its unit: `x [m]`, `x (m)`, `x_m` or `x`.
+fn name_and_unit(word: &str) -> (String, &str) {
+    let (name, unit) = match word.split_once(['[', '(']) {
+        Some((name, unit)) => (name, unit.trim_end_matches([']', ')'])),
+        None => match word.rsplit_once('_') {
+            Some((name, unit)) if UNITS.contains(&unit) || FOREIGN.contains(&unit) => (name, unit),
+            _ => (word, ""),
+        },
+    };
+    (name.trim().trim_end_matches('_').replace([' ', '-'], "_"), unit.trim())
+}
+
+/// Whether a line below the header names the units of the columns, all of them metres or degrees.
+pub(super) fn are_units(line: &str) -> bool {
+    let known = |word: &String| UNITS.contains(&word.trim_matches(['[', ']', '(', ')']));
+    let (words, _) = words(line);
+    words.iter().any(|word| !word.is_empty()) && words.iter().all(known)
 }
 
 impl Columns {
     /// The columns that a header names; none if it names no position.
     pub(super) fn named(header: &str) -> Option<Self> {
-        let separated = header.contains([',', ';']);
-        let names: Vec<String> = match separated {
-            true => header.split([',', ';']).map(|n| n.trim().to_lowercase()).collect(),
-            false => header.split_whitespace().map(str::to_lowercase).collect(),
-        };
-        let quantity = |name: &str| {
-            NAMES.iter().find(|(_, known)| known.contains(&name)).map(|(quantity, _)| *quantity)
+        let (names, separated) = words(header);
+        let quantity = |word: &str| {
+            let (name, _) = name_and_unit(word);
+            NAMES.iter().find(|(_, known)| known.contains(&name.as_str())).map(|(what, _)| *what)
         };
         // A sentence may have the word `x` in it.
         if !separated && names.iter().any(|name| quantity(name).is_none()) {
@@ -91,13 +129,19 @@ impl Columns {
             (_, _, Some(width)) => WidthColumns::Whole(width),
             _ => WidthColumns::Absent,
         };
-        Some(Self { count: names.len(), position, widths, height: at(Quantity::Height) })
+        let foreign = names
+            .iter()
+            .position(|word| quantity(word).is_some() && FOREIGN.contains(&name_and_unit(word).1));
+        Some(Self { count: names.len(), position, widths, height: at(Quantity::Height), foreign })
     }
 
     /// The columns of a table of `count` columns without a header.
     pub(super) fn unnamed(count: usize) -> Self {
         let position = Position::Plane;
-        let plane = |x, y, widths| Self { count, position: position(x, y), widths, height: None };
+        let plane = |x, y, widths| {
+            let position = position(x, y);
+            Self { count, position, widths, height: None, foreign: None }
+        };
         match count {
             2 => plane(0, 1, WidthColumns::Absent),
             RACELINE => plane(1, 2, WidthColumns::Absent),

@@ -4,11 +4,22 @@ use super::globe::{self, Fix};
 use crate::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 use serde_json::Value;
 
+/// Names of the property that is the width of the track \[m\].
+const WIDTHS: [&str; 2] = ["width", "width_m"];
+
 /// A line with the properties of its feature.
 struct Line<'v> {
-    coordinates: &'v [Value],
+    coordinates: Vec<&'v Value>,
     width: Option<f64>,
     name: Option<&'v str>,
+}
+
+/// What a file holds.
+#[derive(Default)]
+struct Content<'v> {
+    lines: Vec<Line<'v>>,
+    /// How many areas have a hole.
+    holes: usize,
 }
 
 /// The track, or everything wrong with the text.
@@ -23,10 +34,15 @@ pub(super) fn read(
     };
     let value: Value = serde_json::from_str(text)
         .map_err(|error| wrong(error.line().max(1), error.column().max(1), error.to_string()))?;
-    let mut lines = Vec::new();
-    collect(&value, None, &mut lines);
+    let mut content = Content::default();
+    collect(&value, None, &mut content);
+    if content.holes > 0 {
+        return Err(wrong(1, 1, "a Polygon with a hole, which is no centre line".to_owned()));
+    }
+    let lines = joined(content.lines);
     let [line] = &lines[..] else {
-        return Err(wrong(1, 1, format!("{} lines", lines.len())));
+        let apart = if lines.len() > 1 { " that do not begin where another ends" } else { "" };
+        return Err(wrong(1, 1, format!("{} lines{apart}", lines.len())));
     };
     let (mut fixes, mut heights) = (Vec::with_capacity(line.coordinates.len()), Vec::new());
     for (i, position) in line.coordinates.iter().enumerate() {
@@ -42,6 +58,10 @@ pub(super) fn read(
         return Err(wrong(1, 1, "a line without points".to_owned()));
     }
     let (places, origin) = globe::project(&fixes, &item)?;
+    if let Some(found) = line.width.filter(|width| !(*width > 0.0)) {
+        let (item, key, expected) = ("the feature".to_owned(), "width", "a width above 0 m");
+        return Err(vec![TrackError::Value { item, key, found, expected }]);
+    }
     let Some(half) = options.half_width.or(line.width.map(|width| 0.5 * width)) else {
         return Err(vec![TrackError::NoWidth { line: 1 }]);
     };
@@ -54,31 +74,57 @@ pub(super) fn read(
     hills::with_heights(Imported { origin: Some(origin), ..imported }, heights)
 }
 
-/// Every line in a value, with the properties of the feature it is in.
-fn collect<'v>(value: &'v Value, properties: Option<&'v Value>, lines: &mut Vec<Line<'v>>) {
+/// The lines, those made one that begin where another ends, as a circuit drawn in parts.
+fn joined(mut lines: Vec<Line<'_>>) -> Vec<Line<'_>> {
+    let mut i = 0;
+    while i < lines.len() {
+        let (first, last) = (lines[i].coordinates.first(), lines[i].coordinates.last());
+        let next = lines.iter().enumerate().position(|(j, line)| {
+            j != i && first != last && last.is_some() && line.coordinates.first() == last
+        });
+        let Some(j) = next else {
+            i += 1;
+            continue;
+        };
+        let part = lines.remove(j);
+        i -= usize::from(j < i);
+        let line = &mut lines[i];
+        line.coordinates.extend(part.coordinates.into_iter().skip(1));
+        line.width = line.width.or(part.width);
+        line.name = line.name.or(part.name);
+    }
+    lines
+}
+
+/// Everything in a value, with the properties of the feature it is in.
+fn collect<'v>(value: &'v Value, properties: Option<&'v Value>, content: &mut Content<'v>) {
     let list = |key: &str| value.get(key).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let mut push = |coordinates: &'v [Value]| {
-        let width = properties.and_then(|p| p.get("width"));
-        let number = |v: &Value| v.as_f64().or_else(|| v.as_str()?.trim().parse().ok());
-        let name = properties.and_then(|p| p.get("name")).and_then(Value::as_str);
-        lines.push(Line { coordinates, width: width.and_then(number), name });
+    let push = |coordinates: &'v [Value], content: &mut Content<'v>| {
+        let of = |key: &str| properties.and_then(|p| p.get(key));
+        let metres = |v: &str| v.trim().trim_end_matches('m').trim_end().parse().ok();
+        let number = |v: &Value| v.as_f64().or_else(|| metres(v.as_str()?));
+        let width = WIDTHS.into_iter().find_map(of).and_then(number);
+        let name = of("name").and_then(Value::as_str);
+        content.lines.push(Line { coordinates: coordinates.iter().collect(), width, name });
     };
     match value.get("type").and_then(Value::as_str) {
         Some("FeatureCollection") => {
-            list("features").iter().for_each(|feature| collect(feature, None, lines));
+            list("features").iter().for_each(|feature| collect(feature, None, content));
         }
         Some("Feature") => {
             if let Some(geometry) = value.get("geometry") {
-                collect(geometry, value.get("properties"), lines);
+                collect(geometry, value.get("properties"), content);
             }
         }
         Some("GeometryCollection") => {
-            list("geometries").iter().for_each(|part| collect(part, properties, lines));
+            list("geometries").iter().for_each(|part| collect(part, properties, content));
         }
-        Some("LineString") => push(list("coordinates")),
-        Some("MultiLineString" | "Polygon") => {
-            for line in list("coordinates").iter().filter_map(Value::as_array) {
-                push(line);
+        Some("LineString") => push(list("coordinates"), content),
+        Some(kind @ ("MultiLineString" | "Polygon")) => {
+            let lines = list("coordinates");
+            content.holes += usize::from(kind == "Polygon" && lines.len() > 1);
+            for line in lines.iter().filter_map(Value::as_array) {
+                push(line, content);
             }
         }
         _ => {}

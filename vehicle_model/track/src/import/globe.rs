@@ -46,7 +46,7 @@ pub(super) fn project(
     for (i, fix) in fixes.iter().enumerate() {
         for (key, found, most, expected) in [
             ("latitude", fix.latitude, 90.0, "degrees from -90 to 90"),
-            ("longitude", fix.longitude, 180.0, "degrees from -180 to 180"),
+            ("longitude", fix.longitude, 360.0, "degrees from -180 to 180, or from 0 to 360"),
         ] {
             if !found.is_finite() || found.abs() > most {
                 problems.push(TrackError::Value { item: item(i), key, found, expected });
@@ -56,17 +56,25 @@ pub(super) fn project(
     if !problems.is_empty() {
         return Err(problems);
     }
-    let middle = |value: fn(&Fix) -> f64| {
-        let (low, high) = fixes
+    let range = |value: &dyn Fn(&Fix) -> f64| {
+        fixes
             .iter()
             .map(value)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| (r.0.min(v), r.1.max(v)));
-        0.5 * (low + high)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| (r.0.min(v), r.1.max(v)))
     };
+    let middle = |value: &dyn Fn(&Fix) -> f64| 0.5 * (range(value).0 + range(value).1);
+    // A track that crosses the meridian of 180 degrees, or of 0 where that is 360, goes on there.
+    let (west, east) = range(&|f| f.longitude);
+    let around = east - west > 180.0;
+    let turned = |f: &Fix| match around && f.longitude < 0.5 * (west + east) {
+        true => f.longitude + 360.0,
+        false => f.longitude,
+    };
+    let longitude = middle(&turned);
     let origin = Fix {
-        latitude: middle(|f| f.latitude),
-        longitude: middle(|f| f.longitude),
-        height: middle(|f| f.height),
+        latitude: middle(&|f| f.latitude),
+        longitude: if longitude > 180.0 { longitude - 360.0 } else { longitude },
+        height: middle(&|f| f.height),
     };
     let (sin, cos) = libm::sincos(origin.latitude.to_radians());
     let (sin_l, cos_l) = libm::sincos(origin.longitude.to_radians());

@@ -15,6 +15,9 @@ const FORMATS: &str = "a track: segments or points in TOML, a comma-separated ce
      (x_m, y_m, w_tr_right_m, w_tr_left_m; lat, lon; x, y), a TUM raceline, a TTL table of 17 \
      columns, or GeoJSON";
 
+/// Binary data show within this many characters.
+const LOOK: usize = 1000;
+
 impl Track {
     /// The track of our own format: straights and arcs in TOML.
     ///
@@ -101,17 +104,34 @@ impl Track {
 fn read(file_name: &str, text: &str, options: &ImportOptions) -> Result<Imported, Vec<TrackError>> {
     let base = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name);
     let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
-    if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+    let text = text.trim_start_matches('\u{feff}');
+    // Lines may end in carriage returns alone.
+    let lines = (!text.contains('\n')).then(|| text.replace('\r', "\n"));
+    let text = lines.as_deref().unwrap_or(text);
+    if let Some(found) = no_table(text) {
+        let (found, expected) = (found.to_owned(), FORMATS.to_owned());
+        return Err(vec![TrackError::Syntax { line: 1, column: 1, found, expected }]);
+    }
+    if text.trim_start().starts_with('{') {
         return geojson::read(stem, text, options);
     }
     let looks_like_toml = |line: &str| {
         let line = line.trim_start();
-        !line.starts_with('#') && (line.starts_with('[') || line.contains('='))
+        !line.starts_with('#') && (line.starts_with("[[") || line.contains('='))
     };
     if text.lines().any(looks_like_toml) {
         return segments_toml::read(text, options);
     }
     table::read(stem, text, options)
+}
+
+/// What a text is that holds neither lines of numbers nor keys.
+fn no_table(text: &str) -> Option<&'static str> {
+    if text.trim_start().starts_with('<') {
+        return Some("XML or HTML, as of GPX or KML");
+    }
+    let strange = |c: char| c.is_control() && !c.is_whitespace();
+    text.chars().take(LOOK).any(strange).then_some("binary data")
 }
 
 /// The first of the problems, which are never none.

@@ -1,6 +1,6 @@
 //! Our own track format with points of the centre line in place of segments.
 
-use super::segments_toml::{POSITIVE, Reader};
+use super::segments_toml::{POSITIVE, Reader, positive};
 use super::stations_toml;
 use crate::{ImportOptions, Imported, Origin, TrackError, TrackPoint, survey};
 use toml::Spanned;
@@ -64,8 +64,8 @@ fn point(reader: &mut Reader<'_>, entry: &Spanned<DeValue<'_>>) -> Option<(usize
     let any = "a finite number";
     let x = reader.number(table, "x_m", any, |_| true);
     let y = reader.number(table, "y_m", any, |_| true);
-    let width_left = reader.number(table, "width_left_m", POSITIVE, |v| v > 0.0);
-    let width_right = reader.number(table, "width_right_m", POSITIVE, |v| v > 0.0);
+    let width_left = reader.number(table, "width_left_m", POSITIVE, positive);
+    let width_right = reader.number(table, "width_right_m", POSITIVE, positive);
     let line = reader.line_and_column(entry.span().start).0;
     let (x, y, width_left, width_right) = (x?, y?, width_left?, width_right?);
     Some((line, TrackPoint { x, y, width_left, width_right }))

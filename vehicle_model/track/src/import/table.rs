@@ -1,7 +1,7 @@
 //! Centre lines as tables of numbers: one point a line.
 
 use super::FORMATS;
-use super::columns::{Columns, Position, WidthColumns};
+use super::columns::{Columns, Position, WidthColumns, are_units};
 use super::globe::{self, Fix};
 use crate::{ImportOptions, Imported, TrackError, TrackPoint, hills, survey};
 
@@ -10,6 +10,11 @@ type Cell = (f64, usize);
 
 /// More wrong widths than this have one cause.
 const MOST_PROBLEMS: usize = 5;
+
+/// More columns than this have no table.
+const MOST_COLUMNS: usize = 1000;
+/// Characters of a word that a message repeats.
+const WORD: usize = 32;
 
 /// A line of numbers.
 struct Row {
@@ -27,8 +32,8 @@ pub(super) fn read(
     let mut header = None;
     let mut rows: Vec<Row> = Vec::new();
     for (line, content) in text.lines().enumerate().map(|(i, c)| (i + 1, c)) {
-        // A byte order mark and a carriage return are no part of the table.
-        let content = content.trim_start_matches('\u{feff}').trim_end();
+        // A carriage return is no part of the table.
+        let content = content.trim_end();
         if content.trim().is_empty() {
             continue;
         }
@@ -41,6 +46,13 @@ pub(super) fn read(
             if header.is_some() {
                 continue;
             }
+            let separator = separator(content).unwrap_or(' ');
+            if cells(content).all(|(_, word)| number(word, separator).is_none()) {
+                return Err(vec![no_header(line, content)]);
+            }
+        }
+        if rows.is_empty() && header.is_some() && are_units(content) {
+            continue;
         }
         match numbers(line, content) {
             Ok(cells) => rows.push(Row { line, cells }),
@@ -49,11 +61,25 @@ pub(super) fn read(
     }
     let columns =
         header.unwrap_or_else(|| Columns::unnamed(rows.first().map_or(0, |row| row.cells.len())));
-    for row in rows.iter().filter(|row| row.cells.len() != columns.count) {
-        let found = format!("{} columns", row.cells.len());
+    if let Some(column) = columns.foreign {
+        let found = format!("a header whose column {} is not in metres or degrees", column + 1);
+        let expected = "x, y, heights and widths in m, latitude and longitude in deg".to_owned();
+        return Err(vec![TrackError::Syntax { line: 1, column: 1, found, expected }]);
+    }
+    let odd: Vec<&Row> = rows.iter().filter(|row| row.cells.len() != columns.count).collect();
+    for (i, row) in odd.iter().enumerate() {
+        let more = odd.len() - i - 1;
+        let mut found = format!("{} columns", row.cells.len());
+        let many = more >= MOST_PROBLEMS && i == 0;
+        if many {
+            found = format!("{found}, and {more} more lines with a wrong number");
+        }
         let column = row.cells.get(columns.count).or(row.cells.last()).map_or(1, |cell| cell.1);
         let expected = columns.expected(header.is_some());
         problems.push(TrackError::Syntax { line: row.line, column, found, expected });
+        if many {
+            break;
+        }
     }
     if problems.is_empty() && rows.is_empty() {
         let (found, expected) = ("no numbers".to_owned(), FORMATS.to_owned());
@@ -90,40 +116,82 @@ pub(super) fn read(
     hills::with_heights(Imported { origin, ..imported }, heights)
 }
 
+/// The character that separates the columns of a line; none if blanks do.
+fn separator(content: &str) -> Option<char> {
+    [';', ','].into_iter().find(|s| content.contains(*s))
+}
+
+/// The words of a line, separated by semicolons, commas or blanks, each with the byte where it begins.
+/// Separators at the end of the line close it.
+fn cells(content: &str) -> impl Iterator<Item = (usize, &str)> {
+    let separator = separator(content);
+    let closed = content.trim_end_matches(|c| separator == Some(c) || c == ' ' || c == '\t');
+    let mut byte = 0;
+    closed
+        .split(move |c| match separator {
+            Some(separator) => c == separator,
+            None => c == ' ' || c == '\t',
+        })
+        .map(move |piece| {
+            let begin = byte + piece.len() - piece.trim_start().len();
+            byte += piece.len() + 1;
+            (begin, piece.trim().trim_matches('"').trim())
+        })
+        .filter(move |(_, word)| separator.is_some() || !word.is_empty())
+}
+
+/// The number of a word. Where semicolons separate, a comma is a decimal point.
+fn number(word: &str, separator: char) -> Option<f64> {
+    let value = match separator {
+        ';' if !word.contains('.') => word.replacen(',', ".", 1).parse::<f64>(),
+        _ => word.parse(),
+    };
+    value.ok()
+}
+
+/// A word as a message repeats it.
+fn shown(word: &str) -> String {
+    match word.char_indices().nth(WORD) {
+        Some((end, _)) => format!("`{}..`", word.get(..end).unwrap_or_default()),
+        None => format!("`{word}`"),
+    }
+}
+
+/// A first line of words that names no position.
+fn no_header(line: usize, content: &str) -> TrackError {
+    let mut names = cells(content);
+    let found: Vec<String> = names.by_ref().take(6).map(|(_, word)| shown(word)).collect();
+    let more = if names.next().is_some() { ", .." } else { "" };
+    let found = format!(
+        "neither numbers nor columns x and y, or lat and lon, in {}{more}",
+        found.join(", ")
+    );
+    TrackError::Syntax { line, column: 1, found, expected: FORMATS.to_owned() }
+}
+
 /// The numbers of a line, separated by commas, semicolons or blanks; or what is none.
 fn numbers(line: usize, content: &str) -> Result<Vec<Cell>, Vec<TrackError>> {
-    let mut cells = Vec::new();
+    let separator = separator(content).unwrap_or(' ');
+    let mut found = Vec::new();
     let mut problems = Vec::new();
-    let separator = [';', ','].into_iter().find(|s| content.contains(*s));
-    let mut byte = 0;
-    let pieces: Vec<&str> = match separator {
-        Some(separator) => content.split(separator).collect(),
-        None => content.split([' ', '\t']).collect(),
-    };
-    for piece in pieces {
-        let lead = piece.len() - piece.trim_start().len();
-        let column = content.get(..byte + lead).map_or(byte, |c| c.chars().count()) + 1;
-        byte += piece.len() + 1;
-        let word = piece.trim();
-        if word.is_empty() && separator.is_none() {
-            continue;
+    for (i, (begin, word)) in cells(content).enumerate() {
+        if i == MOST_COLUMNS {
+            let found = format!("more than {MOST_COLUMNS} columns");
+            let expected = "one point a line".to_owned();
+            return Err(vec![TrackError::Syntax { line, column: 1, found, expected }]);
         }
-        // Where semicolons separate, a comma is a decimal point.
-        let number = match separator {
-            Some(';') if !word.contains('.') => word.replacen(',', ".", 1).parse::<f64>(),
-            _ => word.parse(),
-        };
-        match number {
-            Ok(value) if value.is_finite() => cells.push((value, column)),
-            _ => problems.push(TrackError::Syntax {
+        let column = content.get(..begin).map_or(begin, |c| c.chars().count()) + 1;
+        match number(word, separator).filter(|value| value.is_finite()) {
+            Some(value) => found.push((value, column)),
+            None => problems.push(TrackError::Syntax {
                 line,
                 column,
-                found: format!("`{word}`"),
+                found: shown(word),
                 expected: "a finite number".to_owned(),
             }),
         }
     }
-    if problems.is_empty() { Ok(cells) } else { Err(problems) }
+    if problems.is_empty() { Ok(found) } else { Err(problems) }
 }
 
 /// The places with their widths; the edge point of a TTL table must lie on its side of the line.
