@@ -148,9 +148,11 @@ impl Discretized {
         mut system: impl Rates<T, N>,
     ) -> [T; N] {
         let (substeps, h) = self.grid();
+        let (mut next, mut spare) = (x, [x; 2]);
         for _ in 0..substeps {
             system.begin(&x, h);
-            x = runge_kutta_4(&x, h, &system);
+            runge_kutta_4_from(&x, &mut next, &mut spare, h, &system);
+            x = next;
         }
         x
     }
@@ -312,15 +314,33 @@ pub(crate) fn runge_kutta_4<T: Number, const N: usize>(
     h: f64,
     f: &impl Rates<T, N>,
 ) -> [T; N] {
-    // As a loop the rates stand once in the program: short enough to be compiled in place.
-    let (mut next, mut one, mut other) = (*x, *x, *x);
-    let (mut at, mut ahead) = (&mut one, &mut other);
-    // Time of each evaluation, its weight in the sum, and where the next one is made.
-    for (t, weight, reach) in [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)] {
-        let (part, reach) = (weight * h / 6.0, reach * h);
-        let mut stage = Stage { x, next: &mut next, ahead, part, reach };
-        f.rates(at, t * h, &mut stage);
-        std::mem::swap(&mut at, &mut ahead);
-    }
+    let mut next = *x;
+    runge_kutta_4_from(x, &mut next, &mut [*x; 2], h, f);
     next
+}
+
+/// The same in memory that is there: `next` begins as `x`, and `spare` may hold anything. Dozens of quantities
+/// with derivatives are worth not being copied for each step.
+#[inline(always)]
+fn runge_kutta_4_from<T: Number, const N: usize>(
+    x: &[T; N],
+    next: &mut [T; N],
+    spare: &mut [[T; N]; 2],
+    h: f64,
+    f: &impl Rates<T, N>,
+) {
+    let [one, other] = spare;
+    // As a loop the rates stand once in the program: short enough to be compiled in place.
+    // Time of each evaluation, its weight in the sum, and where the next one is made.
+    let stages = [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)];
+    for (i, (t, weight, reach)) in stages.into_iter().enumerate() {
+        let (at, ahead) = match i {
+            0 => (x, &mut *one),
+            2 => (&*other, &mut *one),
+            _ => (&*one, &mut *other),
+        };
+        let (part, reach) = (weight * h / 6.0, reach * h);
+        let mut stage = Stage { x, next: &mut *next, ahead, part, reach };
+        f.rates(at, t * h, &mut stage);
+    }
 }

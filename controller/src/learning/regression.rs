@@ -79,7 +79,6 @@ pub(crate) struct Scratch {
     found: Found,
     /// Neighbours found last at each stage of the horizon.
     last: Vec<Vec<u32>>,
-    weights: Vec<f64>,
     samples: Columns,
 }
 
@@ -91,7 +90,6 @@ impl Scratch {
             arch: Arch::new(),
             found: Found::new(count),
             last: (0..stages).map(|_| Vec::with_capacity(count)).collect(),
-            weights: Vec::with_capacity(count),
             samples: Columns::with_capacity(count),
         }
     }
@@ -156,7 +154,7 @@ impl WithSimd for Fit<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> (Gamma, f64) {
         let Self { data, t, z_bar, config, scratch } = self;
-        let Scratch { found, last, weights, samples, .. } = scratch;
+        let Scratch { found, last, samples, .. } = scratch;
         let query = point(z_bar, &data.scale);
         let h = config.bandwidth;
         // The plan was shifted: what is stage t now was the stage behind it a period ago.
@@ -164,15 +162,10 @@ impl WithSimd for Fit<'_> {
         let reach = data.reach(&query, config.neighbors, before.map_or(&[], Vec::as_slice));
         // From the bandwidth on the weight is 0.
         found.nearest(&data.tree, &query, config.neighbors, reach.min(h as f32));
-        let near = || found.indices().iter().map(|index| &data.samples[*index as usize]);
-        weights.clear();
+        let near = found.indices().iter().map(|index| &data.samples[*index as usize]);
+        samples.set(near.map(|sample| (&sample.z, &sample.y)));
         let z_bar = scaled(z_bar, &data.scale);
-        for sample in near() {
-            let z = scaled(&sample.z, &data.scale);
-            weights.push(epanechnikov(squared_distance(&z, &z_bar), h));
-        }
-        let support = weights.iter().sum();
-        samples.set(weights, near().map(|sample| (&sample.z, &sample.y)));
+        let support = samples.weigh(&z_bar, &data.scale, |squared| epanechnikov(squared, h));
         if let Some(last) = last.get_mut(t) {
             last.clear();
             last.extend_from_slice(found.indices());

@@ -2,8 +2,8 @@
 
 use fhocp::Affine;
 use nalgebra::{SMatrix, SVector};
-use neighbors::DIMENSIONS;
-use vector_sums::dot;
+use neighbors::{DIMENSIONS, squared_distance};
+use vector_sums::{dots, sum};
 
 use crate::config::Features;
 
@@ -51,8 +51,8 @@ impl Gamma {
 #[must_use]
 pub fn ridge(samples: &[Weighted], eps: f64, features: Features) -> Gamma {
     let mut columns = Columns::default();
-    let weights: Vec<f64> = samples.iter().map(|sample| sample.weight).collect();
-    columns.set(&weights, samples.iter().map(|sample| (&sample.z, &sample.y)));
+    columns.set(samples.iter().map(|sample| (&sample.z, &sample.y)));
+    columns.weight.extend(samples.iter().map(|sample| sample.weight));
     columns.ridge(eps, features)
 }
 
@@ -78,18 +78,17 @@ impl Columns {
         }
     }
 
-    /// Takes these samples in place of those before.
+    /// Takes these samples in place of those before; they have no weights yet.
     #[inline(always)]
     pub(crate) fn set<'a>(
         &mut self,
-        weights: &[f64],
-        samples: impl Iterator<Item = (&'a [f64; DIMENSIONS], &'a [f64; ROWS])>,
+        samples: impl ExactSizeIterator<Item = (&'a [f64; DIMENSIONS], &'a [f64; ROWS])>,
     ) {
         let Self { weight, phi, y, .. } = self;
-        for column in phi.iter_mut().chain(y.iter_mut()).chain([&mut *weight]) {
-            column.resize(weights.len(), 1.0);
+        weight.clear();
+        for column in phi.iter_mut().chain(y.iter_mut()) {
+            column.resize(samples.len(), 1.0);
         }
-        weight.copy_from_slice(weights);
         let [v_x, v_y, omega_z, a, delta, _] = phi;
         let inputs = a.iter_mut().zip(delta);
         let velocities = v_x.iter_mut().zip(v_y).zip(omega_z).zip(inputs);
@@ -103,22 +102,37 @@ impl Columns {
         }
     }
 
+    /// Weighs each sample by its distance from a point, both times `scale`; returns the sum of the weights.
+    #[inline(always)]
+    pub(crate) fn weigh(
+        &mut self,
+        z_bar: &[f64; DIMENSIONS],
+        scale: &[f64; DIMENSIONS],
+        kernel: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let Self { weight, phi: [v_x, v_y, omega_z, a, delta, one], .. } = self;
+        weight.resize(one.len(), 0.0);
+        let inputs = a.iter().zip(&*delta);
+        let velocities = v_x.iter().zip(&*v_y).zip(&*omega_z).zip(inputs);
+        for (weight, (((v_x, v_y), omega_z), (a, delta))) in weight.iter_mut().zip(velocities) {
+            let z = [*v_x, *v_y, *omega_z, *a, *delta];
+            let z: [f64; DIMENSIONS] = std::array::from_fn(|i| z[i] * scale[i]);
+            *weight = kernel(squared_distance(&z, z_bar));
+        }
+        sum(weight)
+    }
+
     /// Normal equations (Phi' W Phi + eps I) Gamma = Phi' W Y of the rows that share features.
     #[inline(always)]
     pub(crate) fn ridge(&mut self, eps: f64, features: Features) -> Gamma {
-        let mut gram = SMatrix::<f64, FEATURES, FEATURES>::identity() * eps;
-        let mut moment = SMatrix::<f64, FEATURES, ROWS>::zeros();
-        for i in 0..FEATURES {
-            self.weighted.clear();
-            self.weighted.extend(self.weight.iter().zip(&self.phi[i]).map(|(w, phi)| w * phi));
-            for j in i..FEATURES {
-                gram[(i, j)] += dot(&self.weighted, &self.phi[j]);
-                gram[(j, i)] = gram[(i, j)];
-            }
-            for row in 0..ROWS {
-                moment[(i, row)] = dot(&self.weighted, &self.y[row]);
-            }
-        }
+        let mut equations = (SMatrix::identity() * eps, SMatrix::zeros());
+        self.add_row::<9>(0, &mut equations);
+        self.add_row::<8>(1, &mut equations);
+        self.add_row::<7>(2, &mut equations);
+        self.add_row::<6>(3, &mut equations);
+        self.add_row::<5>(4, &mut equations);
+        self.add_row::<4>(5, &mut equations);
+        let (gram, moment) = equations;
         let mut gamma = Gamma::default();
         match features {
             Features::Own => {
@@ -131,7 +145,31 @@ impl Columns {
         }
         gamma
     }
+
+    /// Adds the products of feature `i` with itself, those after it and the targets, `COUNT` in all.
+    #[inline(always)]
+    fn add_row<const COUNT: usize>(&mut self, i: usize, (gram, moment): &mut Equations) {
+        let Self { weight, phi, y, weighted } = self;
+        weighted.clear();
+        weighted.extend(weight.iter().zip(&phi[i]).map(|(w, phi)| w * phi));
+        let mut columns = [&[][..]; COUNT];
+        for (column, of) in columns.iter_mut().zip(phi[i..].iter().chain(&*y)) {
+            *column = of;
+        }
+        let products = dots(weighted, columns);
+        let (own, targets) = products.split_at(FEATURES - i);
+        for (j, product) in (i..).zip(own) {
+            gram[(i, j)] += product;
+            gram[(j, i)] = gram[(i, j)];
+        }
+        for (row, product) in targets.iter().enumerate() {
+            moment[(i, row)] = *product;
+        }
+    }
 }
+
+/// Gram matrix and moments.
+type Equations = (SMatrix<f64, FEATURES, FEATURES>, SMatrix<f64, FEATURES, ROWS>);
 
 /// Solves for the rows on their features.
 #[inline(always)]

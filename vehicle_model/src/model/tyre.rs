@@ -1,6 +1,6 @@
 //! Lateral tyre forces: slip angles and the Pacejka curve.
 
-use crate::number::{Number, Real};
+use crate::number::{Function, Number, Real};
 use crate::params::Tyre;
 
 /// Lowest v_x the slip angles divide by [m/s].
@@ -27,13 +27,26 @@ pub(super) fn slip_angles<T: Number>(l_f: f64, l_r: f64, v: &[T; 3], delta: T) -
 /// F_y = D sin(C atan(B alpha)), its derivative by alpha a secant's where the tyre says so.
 #[inline(always)]
 pub(super) fn lateral_force<T: Number>(tyre: &Tyre, peak: T, alpha: T) -> T {
-    let (sin, _) = curve(tyre, alpha);
-    if tyre.secant.length == 0.0 {
-        return peak * sin;
+    peak * alpha.through(&Curve { tyre })
+}
+
+/// sin(C atan(B alpha)) with that derivative.
+struct Curve<'a> {
+    tyre: &'a Tyre,
+}
+
+impl Function for Curve<'_> {
+    #[inline(always)]
+    fn at<T: Number>(&self, alpha: T) -> T {
+        let (sin, cos) = curve(self.tyre, alpha);
+        if self.tyre.secant.length == 0.0 || T::PLAIN {
+            return sin;
+        }
+        let excess = excess_slope(self.tyre, alpha.real(), sin.real(), cos.real());
+        // Zero in value: alpha's derivatives alone.
+        let change = alpha - alpha.constant(1.0).scale(alpha.real());
+        sin + change.scale(excess)
     }
-    // Zero in value: alpha's derivatives alone.
-    let change = alpha - alpha.constant(1.0).scale(alpha.real());
-    peak * (sin + change.scale(excess_slope(tyre, alpha.real())))
 }
 
 /// sin and cos of C atan(B alpha). A closure would be compiled apart from the vector instructions
@@ -43,17 +56,22 @@ fn curve<T: Number>(tyre: &Tyre, alpha: T) -> (T, T) {
     ((alpha * tyre.b).atan() * tyre.c).sin_cos()
 }
 
-/// By how much the secant's slope exceeds the tangent's.
+/// By how much the secant's slope exceeds the tangent's where the curve has this sine and cosine.
 #[inline(always)]
-fn excess_slope<R: Real>(tyre: &Tyre, alpha: R) -> R {
+fn excess_slope<R: Real>(tyre: &Tyre, alpha: R, sin: R, cos: R) -> R {
     let secant = &tyre.secant;
-    let (zero, one, alpha) = (alpha.constant(0.0), alpha.constant(1.0), alpha.abs());
+    let (zero, one) = (alpha.constant(0.0), alpha.constant(1.0));
+    // The curve is odd.
+    let sin = R::select(alpha.below(0.0), -sin, sin);
+    let alpha = alpha.abs();
     let share = (alpha - secant.from) * (1.0 / (secant.full - secant.from));
     let share = R::select(share.above(1.0), one, share);
     // The tangent is the limit of short secants, whose quotients lose their digits.
     let long = share.above(1e-3);
+    if !share.any(long) {
+        return zero;
+    }
     let length = R::select(long, share * secant.length, one);
-    let (sin, cos) = curve(tyre, alpha);
     let slope = cos * (tyre.b * tyre.c) / (alpha * alpha * (tyre.b * tyre.b) + 1.0);
     R::select(long, (sin - curve(tyre, alpha - length).0) / length - slope, zero)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Mask, Number};
+use super::{Function, Mask, Number};
 
 /// A value and its gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +82,13 @@ impl<T: Number, const N: usize> Number for Dual<T, N> {
     #[inline(always)]
     fn atan(self) -> Self {
         self.chain(self.value.atan(), (self.value * self.value + 1.0).recip())
+    }
+
+    /// Along one direction, whatever their number: the rest is the chain rule.
+    #[inline(always)]
+    fn through(self, f: &impl Function) -> Self {
+        let found = f.at(Dual::<T, 1>::direction(self.value, 0));
+        self.chain(found.value, found.gradient[0])
     }
 
     #[inline(always)]

@@ -41,6 +41,7 @@ impl<S: Simd> Lanes<S> {
 
 impl<S: Simd> Number for Lanes<S> {
     type Real = Self;
+    const PLAIN: bool = true;
 
     #[inline(always)]
     fn real(self) -> Self {

@@ -30,6 +30,8 @@ pub(crate) trait Number:
 {
     /// The number without its derivatives.
     type Real: Real;
+    /// Whether it has no derivatives.
+    const PLAIN: bool = false;
 
     /// Its value.
     fn real(self) -> Self::Real;
@@ -47,6 +49,12 @@ pub(crate) trait Number:
     fn atan(self) -> Self;
     /// `yes` where the mask holds, else `no`.
     fn select(mask: Mask<Self>, yes: Self, no: Self) -> Self;
+
+    /// A function of it.
+    #[inline(always)]
+    fn through(self, f: &impl Function) -> Self {
+        f.at(self)
+    }
 
     /// Absolute value.
     #[inline(always)]
@@ -70,6 +78,12 @@ pub(crate) trait Number:
 /// Truth of a comparison of numbers of one kind, lane by lane.
 pub(crate) type Mask<T> = <<T as Number>::Real as Real>::Mask;
 
+/// A function of one number. A closure would not take numbers of every kind.
+pub(crate) trait Function {
+    /// Its value.
+    fn at<T: Number>(&self, x: T) -> T;
+}
+
 /// A number without derivatives.
 pub(crate) trait Real: Number<Real = Self> + Div<Output = Self> {
     /// Truth of a comparison.
@@ -87,6 +101,7 @@ pub(crate) trait Real: Number<Real = Self> + Div<Output = Self> {
 
 impl Number for f64 {
     type Real = Self;
+    const PLAIN: bool = true;
 
     #[inline(always)]
     fn real(self) -> Self {
