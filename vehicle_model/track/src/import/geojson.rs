@@ -58,7 +58,7 @@ pub(super) fn read(
         return Err(wrong(1, 1, "a line without points".to_owned()));
     }
     let (places, origin) = globe::project(&fixes, &item)?;
-    if let Some(found) = line.width.filter(|width| !(*width > 0.0)) {
+    if let Some(found) = line.width.filter(|width| width.is_nan() || *width <= 0.0) {
         let (item, key, expected) = ("the feature".to_owned(), "width", "a width above 0 m");
         return Err(vec![TrackError::Value { item, key, found, expected }]);
     }
