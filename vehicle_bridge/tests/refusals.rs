@@ -3,19 +3,11 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::process::Command;
 
-/// Exit code, standard output and standard error of a run in a folder.
-fn lmpc(folder: &std::path::Path, arguments: &[&str]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_lmpc"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
-}
+#[path = "common/command.rs"]
+mod command;
+
+use command::{Folder, lmpc, text};
 
 /// Places on a straight, 0.1 s apart in a unit of this many of them a second.
 fn drive(header: &str, unit: f64) -> String {
@@ -28,25 +20,30 @@ fn drive(header: &str, unit: f64) -> String {
 
 #[test]
 fn mistakes_are_named_before_any_work() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    file("ms.csv", &drive("t,x,y,yaw", 1000.0));
-    file("units.csv", &drive("t [s],x [m],y [m],yaw [rad]", 1.0));
-    file("empty.log", "");
-    fs::create_dir(folder.path().join("below")).unwrap();
+    let folder = Folder::new("refusals");
+    let ms = folder.file("ms.csv", &drive("t,x,y,yaw", 1000.0));
+    let units = folder.file("units.csv", &drive("t [s],x [m],y [m],yaw [rad]", 1.0));
+    let degrees = folder.file("degrees.csv", &drive("t [s],x [m],y [m],yaw [deg]", 1.0));
+    let log = folder.file("empty.log", "");
+    let path = |name: &str| folder.0.join(name).display().to_string();
+    let (below, out) = (path("below"), path("a.lmpc"));
+    fs::create_dir(&below).unwrap();
     let cases: &[(&[&str], i32, &str)] = &[
-        (&["race", "--save", "below"], 1, "it is a folder, expected a file"),
+        (&["race", "--save", &below], 1, "it is a folder, expected a file"),
         (&["optimum", "--margin", "-1"], 2, "expected a distance of 0 or above"),
         (&["race", "--bandwidth", "-1"], 2, "-1 is out of range"),
         (&["car", "new", ""], 1, "`` is no name of a car"),
         (&["car", "new", "below/x"], 1, "the folder with --out"),
-        (&["learn", "ms.csv", "--out", "a.lmpc"], 1, "check that the times are in seconds"),
-        (&["learn", "units.csv", "--out", "a.lmpc"], 1, "no lap goes from line to line"),
-        (&["replay", "empty.log"], 1, "no commands of a controller"),
+        (&["learn", &ms, "--out", &out], 1, "check that the times are in seconds"),
+        (&["learn", &units, "--out", &out], 1, "no lap goes from line to line"),
+        (&["learn", &degrees, "--out", &out], 1, "found t, x, y, yaw [deg]"),
+        (&["replay", &log], 1, "no commands of a controller"),
     ];
     for (arguments, code, words) in cases {
-        let (found, out, err) = lmpc(folder.path(), arguments);
-        assert_eq!((found, out.as_str()), (*code, ""), "{arguments:?}: {err}");
+        let found = lmpc(arguments);
+        let err = text(&found.stderr);
+        assert_eq!(found.status.code(), Some(*code), "{arguments:?}: {err}");
+        assert_eq!(text(&found.stdout), "", "{arguments:?}: {err}");
         assert!(err.contains(words), "{arguments:?}: {err}");
     }
 }

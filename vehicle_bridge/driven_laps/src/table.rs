@@ -10,6 +10,8 @@ use vehicle_model::{GlobalState, Input, State};
 use super::log::until_then;
 use super::{Recorded, Recording};
 
+/// Units in which a column is taken.
+const UNITS: [&str; 7] = ["s", "m", "rad", "m/s", "rad/s", "m/s2", "m/s^2"];
 /// Names a column may have.
 const TIME: &[&str] = &["time_s", "time", "t", "t_s", "timestamp"];
 const X: &[&str] = &["x_m", "x"];
@@ -137,10 +139,15 @@ impl Table {
             .flexible(true)
             .from_reader(text.as_bytes());
         let header = reader.headers().with_context(|| format!("{shown} is no table in CSV"))?;
-        // The unit may stand behind the name: `x [m]`, `t (s)`.
+        // The unit may stand behind the name: `x [m]`, `t (s)`. A column in another unit is an unknown one.
         let name = |column: &str| {
-            let name = column.split_once(['[', '(']).map_or(column, |(name, _)| name);
-            name.trim_end().to_lowercase()
+            let column = column.to_lowercase();
+            match column.split_once(['[', '(']) {
+                Some((name, unit)) if UNITS.contains(&unit.trim_end_matches([']', ')'])) => {
+                    name.trim_end().to_owned()
+                }
+                _ => column,
+            }
         };
         let header = header.iter().map(name).collect();
         let rows = reader.records().map(|row| row.map(|r| r.iter().map(str::to_owned).collect()));
