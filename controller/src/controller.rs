@@ -110,26 +110,22 @@ impl Controller {
         let sample = self.memory.dataset.current.samples.last();
         let acted = measurement.applied.or(sample.map(|sample| sample.u));
         let observed = observer.observe(&mut self.memory, measurement);
-        let memory = &mut self.memory;
-        let racing = memory.recovery.is_none();
-        let now = observed.as_ref().ok().filter(|now| racing && now.reason == Reason::None);
-        memory.prediction_error.compare(now.map(|now| &now.state));
-        if let (Some(last), Ok(now)) = (last, &observed)
-            && now.reason == Reason::None
-            && self.memory.recovery.is_none()
+        // What is learned from: the state that follows the last one, and no incident.
+        let steady = self.memory.recovery.is_none();
+        let follows = observed.as_ref().ok().filter(|now| steady && now.reason == Reason::None);
+        let follows = follows.map(|now| now.state);
+        self.memory.prediction_error.compare(follows.as_ref());
+        if let (Some(last), Some(now)) = (last, follows)
             && self.setup.config.delay.estimates()
         {
             // A filter without delay draws its estimate to what happens without delay.
             let measured = self.setup.filter.as_ref().is_some_and(|filter| !filter.blind());
             let (from, to) =
-                if measured { (raw, self.memory.estimate.raw) } else { (last.state, now.state) };
+                if measured { (raw, self.memory.estimate.raw) } else { (last.state, now) };
             self.observe_response(&from, &to);
         }
-        if let (Some(last), Some(u), Ok(now)) = (driven, acted, &observed)
-            && now.reason == Reason::None
-            && self.memory.recovery.is_none()
-        {
-            let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now.state };
+        if let (Some(last), Some(u), Some(now)) = (driven, acted, follows) {
+            let to = if self.setup.filter.is_some() { self.memory.estimate.raw } else { now };
             self.observe_grip(&last.state, &to, &u);
             if self.memory.learned && measurement.applied.is_none() {
                 self.observe_drift(&last.state, &to);

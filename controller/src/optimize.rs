@@ -180,11 +180,11 @@ impl Workspace {
 
     fn linearize(&mut self, setup: &Setup, memory: &Memory) {
         self.points.clear();
-        let (dt, v_x) = (setup.config.horizon.period, memory.plan.x[0].v_x);
-        let ahead = memory.prediction_error.covariance(v_x, dt);
+        let period = setup.config.horizon.period;
+        let ahead = memory.prediction_error.covariance(memory.plan.x[0].v_x, period);
         let covariance = memory.estimate.covariance().unwrap_or(ahead);
         let sigmas = setup.config.limits.uncertainty;
-        let room = lane::unsure(setup, &covariance) + lane::untried(setup, memory.learned_laps);
+        let aside = lane::unsure(setup, &covariance) + lane::untried(setup, memory.learned_laps);
         for (t, (x, u)) in memory.plan.x.iter().zip(&memory.plan.u).enumerate() {
             self.points.push((*x, setup.actuators.mean(before(memory, t), *u)));
             self.problem.front[t] = slip::front(&setup.car, x, u);
@@ -203,13 +203,12 @@ impl Workspace {
             let rear_load = setup.config.limits.rear_load;
             let load = if rear_load { slip::rear_share(&setup.car, next.v_x, u.a) } else { 1.0 };
             let problem = &mut self.problem;
-            let kept = |p, row, max| sigmas * slip::deviation(p, row) / max;
-            let front = share - kept(&covariance, &problem.front[t], problem.front_max);
-            problem.front_share[t] = front.max(slip::LEAST_SHARE);
+            let room = sigmas * slip::deviation(&covariance, &problem.front[t]);
+            problem.front_share[t] = slip::left(share, room, problem.front_max);
             // Room for the noise itself made cars slower that were off the track as often.
-            let rear = share * load - kept(&ahead, &problem.rear[t], problem.rear_max);
-            problem.rear_share[t] = rear.max(slip::LEAST_SHARE);
-            let lane = lane::bounds(setup, self.outline.as_ref(), next, room);
+            let room = sigmas * slip::deviation(&ahead, &problem.rear[t]);
+            problem.rear_share[t] = slip::left(share * load, room, problem.rear_max);
+            let lane = lane::bounds(setup, self.outline.as_ref(), next, aside);
             [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
         }
         self.bound_speed(setup, memory);

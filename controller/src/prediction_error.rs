@@ -14,7 +14,8 @@
 //! var e_psi = dt^2 Q_33          var e_y = dt^2 (Q_22 + (v_x dt)^2 Q_33)
 //! ```
 //!
-//! Lane and slip guards keep room for it. Noisy measurements have the filter's covariance instead.
+//! Lane and slip guards keep room for it. Where measurements are noisy, lane and front guard keep room for
+//! the filter's covariance instead.
 
 use nalgebra::{Matrix3, Matrix6};
 use serde::{Deserialize, Serialize};

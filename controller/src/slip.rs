@@ -11,7 +11,7 @@ use crate::controller::Setup;
 const SLOW: f64 = 0.5;
 
 /// Share of a guard that is left however hard the car brakes, and however noisy its velocities are.
-pub(crate) const LEAST_SHARE: f64 = 0.3;
+const LEAST_SHARE: f64 = 0.3;
 
 /// What slipping tyres cost: the curvature that the linearised v_x row lacks.
 ///
@@ -76,6 +76,11 @@ pub(crate) fn deviation(covariance: &Matrix6<f64>, row: &SlipRow) -> f64 {
     variance.max(0.0).sqrt()
 }
 
+/// What is left of this share of a guard `max` where so much room is kept free.
+pub(crate) fn left(share: f64, room: f64, max: f64) -> f64 {
+    (share - room / max).max(LEAST_SHARE)
+}
+
 fn velocities(x: &State) -> Vector3<f64> {
     Vector3::new(x.v_x, x.v_y, x.omega_z)
 }
@@ -109,6 +114,7 @@ mod tests {
         let mut p = Matrix6::from_diagonal_element(own * own);
         p.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(common * common);
         let row = front(&car, &x, &u);
+        assert_eq!(deviation(&Matrix6::zeros(), &row), 0.0);
 
         let mut rng = Pcg64::seed_from_u64(1);
         let mut draw = || -> f64 { standard_normal(&mut rng) };

@@ -85,9 +85,9 @@ section! {
     slip_reserve "slip_reserve": f64, symbol "", unit "", range (0.0, 0.5), from preset;
     /// Whether a braking car has only that share of the rear guard that is left of the rear load.
     rear_load "rear_load": bool, symbol "", unit "", range (), from preset;
-    /// Standard deviations that lane and slip guards keep free: of the estimated state where measurements
-    /// are noisy, else of the error of predictions over one period. Unless it is 0, the first learned laps
-    /// keep more free beside the body.
+    /// Standard deviations of the error of predictions over one period that lane and slip guards keep free;
+    /// where measurements are noisy, lane and front guard keep those of the estimated state. Unless it is 0,
+    /// the first learned laps keep more free beside the body.
     uncertainty "uncertainty": f64, symbol "", unit "", range (0.0, 10.0), from preset;
     /// Speed cap; 0 switches it off.
     speed_cap "speed_cap_mps": f64, symbol "", unit "m/s", range (0.0, 1000.0), from preset;
