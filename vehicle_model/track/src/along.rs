@@ -4,9 +4,9 @@ use super::{Surface, Track, fingerprint};
 use std::f64::consts::FRAC_PI_3;
 
 /// Largest bank and slope; a wall of death is no track \[rad\].
-const STEEPEST: f64 = FRAC_PI_3;
+pub(super) const STEEPEST: f64 = FRAC_PI_3;
 /// Largest factor of the tyres' friction: 80 is one in per cent \[-\].
-const MOST_FRICTION: f64 = 3.0;
+pub(super) const MOST_FRICTION: f64 = 3.0;
 
 /// What holds at a place of the centre line. What is `None` is not stated there: bank, slope and
 /// friction are linear between the places that state them, a speed limit holds from its place on.

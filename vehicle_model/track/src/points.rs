@@ -25,7 +25,7 @@ const MOST_KNOTS: usize = 100_000;
 /// Fewest points of a track.
 pub(super) const FEWEST: usize = 8;
 /// Largest coordinate and width: more than twice around the earth [m].
-const FARTHEST: f64 = 1e8;
+pub(super) const FARTHEST: f64 = 1e8;
 /// Points closer than this are the same point [m].
 pub(super) const SAME: f64 = 1e-6;
 /// Largest turn from one chord to the next, just above that of a regular octagon [rad].

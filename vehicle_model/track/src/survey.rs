@@ -50,10 +50,11 @@ pub(super) fn build(
     changes.extend(repeated);
     let own_item = |i: usize| item(kept.get(i).copied().unwrap_or(i));
     let survey: Vec<TrackPoint> = kept.iter().map(|&i| given[i]).collect();
+    let noise = noise(&survey);
     let strength = match options.smooth {
         Some(distance) if distance <= 0.0 => None,
         Some(distance) => Some(Strength::Moves(distance)),
-        None => Some(Strength::Automatic(most(MOST_MOVE, mean_width(&survey), noise(&survey)))),
+        None => Some(Strength::Automatic(most(MOST_MOVE, mean_width(&survey), noise))),
     };
     let line = match strength {
         Some(strength) if survey.len() >= points::FEWEST => {
@@ -63,9 +64,9 @@ pub(super) fn build(
                 return Err(holes);
             }
             if options.smooth.is_none() {
-                check_jumps(&survey, &own_item)?;
+                check_jumps(&survey, noise, &own_item)?;
             }
-            let (line, change) = smoothed(&survey, strength, &own_item)?;
+            let (line, change) = smoothed(&survey, strength, noise, &own_item)?;
             changes.extend(change);
             line
         }
@@ -162,6 +163,7 @@ fn check_gap(survey: &[TrackPoint], item: &dyn Fn(usize) -> String) -> Result<()
 /// of half its size in the other direction; a corner's stands alone.
 fn check_jumps(
     survey: &[TrackPoint],
+    noise: f64,
     item: &dyn Fn(usize) -> String,
 ) -> Result<(), Vec<TrackError>> {
     let n = survey.len();
@@ -170,7 +172,6 @@ fn check_jumps(
         let (a, b, c) = (at(i + n - 1), at(i), at(i + 1));
         (b.x - 0.5 * (a.x + c.x), b.y - 0.5 * (a.y + c.y))
     };
-    let noise = noise(survey);
     let mut wrong = Vec::new();
     for (i, p) in survey.iter().enumerate() {
         let (before, own, after) = (bend(i + n - 1), bend(i), bend(i + 1));
@@ -190,6 +191,7 @@ fn check_jumps(
 fn smoothed(
     survey: &[TrackPoint],
     strength: Strength,
+    noise: f64,
     item: &dyn Fn(usize) -> String,
 ) -> Result<(Vec<TrackPoint>, Option<Change>), Vec<TrackError>> {
     let n = survey.len();
@@ -202,7 +204,6 @@ fn smoothed(
         })
         .collect();
     if matches!(strength, Strength::Automatic(_)) {
-        let noise = noise(survey);
         let alone = 1.0 / (1.0 - smooth.leverage).max(0.1);
         let wrong: Vec<Far> = (0..n)
             .filter_map(|i| {

@@ -1,4 +1,4 @@
-//! Ways to write the same track, and files that are none.
+//! Different ways to write the same track, and files that do not hold a track.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,7 +1,7 @@
 //! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
 
 use super::{points_toml, stations_toml};
-use crate::{ImportOptions, Imported, Segment, TrackError, segment};
+use crate::{ImportOptions, Imported, Segment, TrackError, points, segment};
 use std::f64::consts::PI;
 use std::iter;
 use std::ops::Range;
@@ -24,7 +24,7 @@ const SEGMENT_KEYS: [&str; 7] = [
 pub(super) const POSITIVE: &str = "a number above 0, at most 1e8";
 /// Whether a length or width is that.
 pub(super) fn positive(value: f64) -> bool {
-    value > 0.0 && value <= 1e8
+    value > 0.0 && value <= points::FARTHEST
 }
 
 /// The text with everything found wrong with it so far.

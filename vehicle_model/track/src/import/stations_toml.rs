@@ -1,6 +1,7 @@
 //! What our own track format has along s: `[[station]]`.
 
 use super::segments_toml::Reader;
+use crate::along::{MOST_FRICTION, STEEPEST};
 use crate::{Imported, Station, TrackError};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -31,12 +32,12 @@ fn station(reader: &mut Reader<'_>, entry: &Spanned<DeValue<'_>>) -> Option<Line
         reader.wrong(entry.span(), "a station without s_m", "its place along the centre line [m]");
     }
     let s = reader.number(table, "s_m", "a number of at least 0", |v| v >= 0.0);
-    let angle = |v: f64| v.abs() <= 60.0;
+    let angle = |v: f64| v.to_radians().abs() <= STEEPEST;
     let expected = "an angle between -60 and 60";
     let bank = reader.number(table, "bank_deg", expected, angle).map(f64::to_radians);
     let slope = reader.number(table, "slope_deg", expected, angle).map(f64::to_radians);
-    let friction =
-        reader.number(table, "friction", "a factor above 0, at most 3", |v| v > 0.0 && v <= 3.0);
+    let factor = |v: f64| v > 0.0 && v <= MOST_FRICTION;
+    let friction = reader.number(table, "friction", "a factor above 0, at most 3", factor);
     let key = "speed_limit_mps";
     let none = table.get(key).and_then(|v| v.get_ref().as_str()) == Some("none");
     let speed_limit = match none {
