@@ -5,6 +5,7 @@
 use nalgebra::{ArrayStorage, SMatrix};
 
 /// A B.
+#[expect(clippy::needless_range_loop, reason = "an iterator that skips the first is not unrolled")]
 #[inline(always)]
 pub(super) fn product<const R: usize, const K: usize, const C: usize>(
     a: &SMatrix<f64, R, K>,

@@ -179,6 +179,7 @@ pub(super) fn factor(
 
 /// A'P A - F H^-1 F', symmetric, and P A on the way there. `FLAT` skips the zeros of A: with V, L and Q for how
 /// velocities and pose depend on velocities and pose, A is `[V 0; L Q]`.
+#[expect(clippy::needless_range_loop, reason = "a matrix is mirrored in place")]
 #[inline(always)]
 fn carry_back<const FLAT: bool>(
     model: &Model,
