@@ -321,11 +321,13 @@ impl Work {
             let rate = gradient.rate(t);
             let pi = &self.costate[t];
             let (a_pi, b_pi) = self.models[t].adjoint(pi);
-            let state = after + gradient.next_state(t) - pi;
+            gradient.add_next_state(t, &mut after);
+            let state = after - pi;
             let input = gradient.input(t) + rate + input_after + b_pi;
             dual = dual.max(state.amax()).max(input.amax());
             scale = scale.max(pi.amax());
-            after = a_pi + gradient.state(t);
+            after = a_pi;
+            gradient.add_state(t, &mut after);
             input_after = b_pi * carry - rate;
         }
         // Costates carry the rounding of a curvature up to 1 / delta.

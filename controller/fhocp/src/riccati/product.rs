@@ -5,6 +5,7 @@
 use nalgebra::{ArrayStorage, SMatrix};
 
 /// A B.
+#[expect(clippy::needless_range_loop, reason = "an iterator that skips the first is not unrolled")]
 #[inline(always)]
 pub(super) fn product<const R: usize, const K: usize, const C: usize>(
     a: &SMatrix<f64, R, K>,
@@ -12,10 +13,14 @@ pub(super) fn product<const R: usize, const K: usize, const C: usize>(
 ) -> SMatrix<f64, R, C> {
     let mut out = [[0.0; R]; C];
     for (out, b) in out.iter_mut().zip(&b.data.0) {
+        // The first one is not added to zeros: that would be an addition more.
         let mut sum = [0.0; R];
-        for (a, b) in a.data.0.iter().zip(b) {
+        for r in 0..R {
+            sum[r] = a.data.0[0][r] * b[0];
+        }
+        for k in 1..K {
             for r in 0..R {
-                sum[r] += a[r] * b;
+                sum[r] += a.data.0[k][r] * b[k];
             }
         }
         *out = sum;

@@ -28,7 +28,7 @@
 //! In N_t, `D - D H^-1 D` is formed as `G H^-1 D`: an active rate limit makes D large, and the
 //! difference would lose the digits of G.
 
-use nalgebra::{ArrayStorage, Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
+use nalgebra::{Matrix2, Matrix2x6, Matrix6, Matrix6x2, SMatrix, Vector2, Vector6};
 
 use super::super::{Affine, Fhocp};
 use super::product::{product, transpose};
@@ -83,6 +83,8 @@ pub(super) struct Gain {
     offset: Vector2<f64>,
     /// P of x_{t+1}.
     p: Matrix6<f64>,
+    /// P A. Memory that nobody else reads: what is stored is computed in vectors.
+    pa: Matrix6<f64>,
     /// M of x_{t+1} and u_t.
     m: Matrix6x2<f64>,
     /// p of x_{t+1}.
@@ -90,6 +92,9 @@ pub(super) struct Gain {
 }
 
 /// Factors the stages backward from the terminal curvature.
+///
+/// Each P is written where it is kept and read from there: as a local variable it would be taken apart into
+/// single numbers, and products with it would not become vector instructions.
 #[inline(always)]
 pub(super) fn factor(
     problem: &Fhocp,
@@ -98,27 +103,34 @@ pub(super) fn factor(
     terminal: &Matrix6<f64>,
     gains: &mut [Gain],
 ) {
-    let (mut p, mut m, mut n) = (*terminal, Matrix6x2::zeros(), Matrix2::zeros());
+    let (mut m, mut n) = (Matrix6x2::zeros(), Matrix2::zeros());
     let carry = carry(problem);
     let on = |quantity: usize| rows.column(quantity, curvature);
-    let (rear_on, speed_on, lane_on, front_on) = (on(REAR), on(SPEED), on(LANE), on(FRONT));
+    let (soft_on, front_on) = ([on(REAR), on(SPEED), on(LANE)], on(FRONT));
     let (inputs_on, rates_on) = (INPUT.map(on), RATE.map(on));
-    for t in (0..problem.horizon()).rev() {
+    let Some(last) = problem.horizon().checked_sub(1) else { return };
+    gains[last].p = *terminal;
+    add_soft(problem, last, soft_on, &mut gains[last].p.data.0);
+    for t in (0..=last).rev() {
         let model = &models[t];
-        let (rear, front) = (&problem.rear[t].velocity, &problem.front[t]);
-        add_square(&mut p, rear, rear_on[t]);
-        p[(0, 0)] += speed_on[t];
-        p[(5, 5)] += lane_on[t];
+        let front = &problem.front[t];
+        let (before, rest) = gains.split_at_mut(t);
+        let gain = &mut rest[0];
 
-        let pb_m = product(&p, &model.b) + m;
+        let pb_m = product(&gain.p, &model.b) + m;
         let mut f = product(&model.a_transposed, &pb_m);
-        let b_pb_m = product(&model.b_transposed, &pb_m);
-        let m_b = product(&transpose(&m), &model.b);
-        let mut g = b_pb_m + m_b + n;
+        let mut g = n;
         // Terms of v: A'P E, B'P E + M'E and E'P E.
         let carried = if carry == 0.0 {
+            // Of B'(P B + 2 M) the mean with its transpose.
+            let twice = product(&model.b_transposed, &(pb_m + m));
+            let mean = 0.5 * (twice[(0, 1)] + twice[(1, 0)]);
+            g += Matrix2::new(twice[(0, 0)], mean, mean, twice[(1, 1)]);
             None
         } else {
+            let b_pb_m = product(&model.b_transposed, &pb_m);
+            let m_b = product(&transpose(&m), &model.b);
+            g += b_pb_m + m_b;
             let a_pe = (f - product(&model.a_transposed, &m)) * carry;
             Some((a_pe, transpose(&b_pb_m) * carry, (b_pb_m - transpose(&m_b)) * (carry * carry)))
         };
@@ -137,22 +149,21 @@ pub(super) fn factor(
         if let Some((_, k, _)) = &carried {
             previous -= product(&inverse, k);
         }
-        let gain = &mut gains[t];
-        gain.p = p;
         gain.m = m;
         gain.inverse = inverse;
         gain.state = state;
         gain.state_transposed = transpose(&state);
         gain.previous = previous;
-        if t == 0 {
-            break;
-        }
-        p = if model.flat {
-            carried_back::<true>(model, &p, &state, &f)
+        let Some(t_before) = t.checked_sub(1) else { break };
+        let next = &mut before[t_before].p.data.0;
+        let pa = &mut gain.pa.data.0;
+        if model.flat {
+            carry_back::<true>(model, &gain.p, &state, &f, pa, next);
         } else {
-            carried_back::<false>(model, &p, &state, &f)
-        };
-        add_square(&mut p, &front.velocity, front_on[t]);
+            carry_back::<false>(model, &gain.p, &state, &f, pa, next);
+        }
+        add_square(next, &front.velocity, front_on[t]);
+        add_soft(problem, t_before, soft_on, next);
         m = scale_columns(&state, rate);
         n = kept;
         if let Some((a_pe, k, e_pe)) = &carried {
@@ -161,58 +172,75 @@ pub(super) fn factor(
             m += a_pe - product(&state, k);
             n += e_pe + d_inverse_k + transpose(&d_inverse_k) - product(&transpose(k), &inverse_k);
         }
-        symmetrise(&mut n);
+        let mean = 0.5 * (n[(0, 1)] + n[(1, 0)]);
+        (n[(0, 1)], n[(1, 0)]) = (mean, mean);
     }
 }
 
-/// A'P A - F H^-1 F', symmetric. `FLAT` skips the zeros of A: with V, L and Q for how velocities and pose
-/// depend on velocities and pose, A is `[V 0; L Q]`.
+/// A'P A - F H^-1 F', symmetric, and P A on the way there. `FLAT` skips the zeros of A: with V, L and Q for how
+/// velocities and pose depend on velocities and pose, A is `[V 0; L Q]`.
+#[expect(clippy::needless_range_loop, reason = "a matrix is mirrored in place")]
 #[inline(always)]
-fn carried_back<const FLAT: bool>(
+fn carry_back<const FLAT: bool>(
     model: &Model,
     p: &Matrix6<f64>,
     state: &Matrix6x2<f64>,
     f: &Matrix6x2<f64>,
-) -> Matrix6<f64> {
+    pa: &mut [[f64; 6]; 6],
+    out: &mut [[f64; 6]; 6],
+) {
     let (a, a_transposed) = (&model.a.data.0, &model.a_transposed.data.0);
     let (p, state, f) = (&p.data.0, &state.data.0, &f.data.0);
-    let mut out = [[0.0; 6]; 6];
-    for column in 0..6 {
-        let below = combined::<6, 3>(&p[3..], &a[column][3..]);
-        let pa = match column {
-            3.. if FLAT => below,
-            _ => plus(&below, &combined::<6, 3>(&p[..3], &a[column][..3])),
+    for column in 0..3 {
+        pa[column] = combined::<6, 6>(p, &a[column]);
+    }
+    for column in 3..6 {
+        pa[column] = if FLAT {
+            combined::<6, 3>(&p[3..], &a[column][3..])
+        } else {
+            combined::<6, 6>(p, &a[column])
         };
-        let below = combined::<6, 3>(&a_transposed[3..], &pa[3..]);
-        // The upper rows of the last columns follow from symmetry; A' of the velocities has zeros below.
-        let sum = match column {
-            3.. if FLAT => below,
-            _ if FLAT => plus(&below, &combined::<4, 3>(&a_transposed[..3], &pa[..3])),
-            _ => plus(&below, &combined::<6, 3>(&a_transposed[..3], &pa[..3])),
-        };
+    }
+    for column in 0..3 {
+        let mut sum = combined::<6, 3>(&a_transposed[3..], &pa[column][3..]);
+        // A' of the velocities has zeros below.
+        if FLAT {
+            add(&mut sum, &combined::<4, 3>(&a_transposed[..3], &pa[column][..3]));
+        } else {
+            add(&mut sum, &combined::<6, 3>(&a_transposed[..3], &pa[column][..3]));
+        }
         let feedback = combined::<6, 2>(state, &[f[0][column], f[1][column]]);
         for row in 0..6 {
             out[column][row] = sum[row] - feedback[row];
         }
     }
-    let mut p = Matrix6::from_array_storage(ArrayStorage(out));
-    for column in 0..6 {
-        for row in 0..column {
-            let below = p[(column, row)];
-            let mirrored = FLAT && column >= 3 && row < 3;
-            let mean = if mirrored { below } else { 0.5 * (below + p[(row, column)]) };
-            p[(row, column)] = mean;
-            p[(column, row)] = mean;
+    for column in 3..6 {
+        let mut sum = combined::<6, 3>(&a_transposed[3..], &pa[column][3..]);
+        if !FLAT {
+            add(&mut sum, &combined::<6, 3>(&a_transposed[..3], &pa[column][..3]));
+        }
+        let feedback = combined::<6, 2>(state, &[f[0][column], f[1][column]]);
+        // Rows 3 to 5, in four lanes.
+        for row in 2..6 {
+            out[column][row] = sum[row] - feedback[row];
         }
     }
-    p
+    // Above the diagonal what stands below it.
+    for column in 0..6 {
+        for row in 0..column {
+            out[column][row] = out[row][column];
+        }
+    }
 }
 
 /// Sum of the first `R` rows of columns, each times a number.
 #[inline(always)]
 fn combined<const R: usize, const K: usize>(columns: &[[f64; 6]], by: &[f64]) -> [f64; R] {
     let mut sum = [0.0; R];
-    for k in 0..K {
+    for row in 0..R {
+        sum[row] = columns[0][row] * by[0];
+    }
+    for k in 1..K {
         for row in 0..R {
             sum[row] += columns[k][row] * by[k];
         }
@@ -220,14 +248,12 @@ fn combined<const R: usize, const K: usize>(columns: &[[f64; 6]], by: &[f64]) ->
     sum
 }
 
-/// Sum of six numbers and some that stand beside the first of them.
+/// Adds some numbers to the first of six.
 #[inline(always)]
-fn plus<const R: usize>(a: &[f64; 6], b: &[f64; R]) -> [f64; 6] {
-    let mut sum = *a;
+fn add<const R: usize>(sum: &mut [f64; 6], more: &[f64; R]) {
     for row in 0..R {
-        sum[row] += b[row];
+        sum[row] += more[row];
     }
-    sum
 }
 
 /// Offsets of the feedback, backward from the terminal gradient.
@@ -245,7 +271,7 @@ pub(super) fn backward(
     let carry = carry(problem);
     for t in (0..problem.horizon()).rev() {
         let (rate, gain) = (gradient.rate(t), &mut gains[t]);
-        p += gradient.next_state(t);
+        gradient.add_next_state(t, &mut p);
         if let Some(defect) = defect {
             p += gain.p * defect[t];
             n += gain.m.tr_mul(&defect[t]);
@@ -254,7 +280,8 @@ pub(super) fn backward(
         let (a_p, b_p) = models[t].adjoint(&p);
         let h = gradient.input(t) + rate + b_p + n;
         gain.offset = product(&gain.inverse, &h);
-        p = a_p - product(&gain.state, &h) + gradient.state(t);
+        p = a_p - product(&gain.state, &h);
+        gradient.add_state(t, &mut p);
         if carry == 0.0 {
             let own = Vector2::new(rates[0][t], rates[1][t]);
             n = own.component_mul(&gain.offset) - rate;
@@ -316,24 +343,23 @@ fn inverse(h: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(first, -l * second, -l * second, second)
 }
 
-/// Adds curvature g g' on the velocities.
+/// Adds the soft constraints of stage t on x_{t+1}: rear slip angle, speed and lane.
 #[inline(always)]
-fn add_square(p: &mut Matrix6<f64>, g: &[f64; 3], curvature: f64) {
-    for j in 0..3 {
-        for i in 0..3 {
-            p[(i, j)] += curvature * g[i] * g[j];
-        }
-    }
+fn add_soft(problem: &Fhocp, t: usize, [rear, speed, lane]: [&[f64]; 3], p: &mut [[f64; 6]; 6]) {
+    add_square(p, &problem.rear[t].velocity, rear[t]);
+    p[0][0] += speed[t];
+    p[5][5] += lane[t];
 }
 
-/// Takes the mean of both halves.
+/// Adds curvature g g' on the velocities.
 #[inline(always)]
-fn symmetrise<const R: usize>(p: &mut SMatrix<f64, R, R>) {
-    for j in 0..R {
-        for i in 0..j {
-            let mean = 0.5 * (p[(i, j)] + p[(j, i)]);
-            p[(i, j)] = mean;
-            p[(j, i)] = mean;
+fn add_square(p: &mut [[f64; 6]; 6], g: &[f64; 3], curvature: f64) {
+    // In four lanes, the last one empty.
+    let g = [g[0], g[1], g[2], 0.0];
+    for column in 0..3 {
+        let by = curvature * g[column];
+        for row in 0..4 {
+            p[column][row] += by * g[row];
         }
     }
 }

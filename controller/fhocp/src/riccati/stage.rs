@@ -226,18 +226,23 @@ pub(super) struct Stages<'a> {
 }
 
 impl Stages<'_> {
-    /// The part of stage t on x_{t+1}.
+    /// Adds the part of stage t on x_{t+1}. Only to what it touches: zeros would be added one by one too.
     #[inline(always)]
-    pub(super) fn next_state(&self, t: usize) -> Vector6<f64> {
+    pub(super) fn add_next_state(&self, t: usize, out: &mut Vector6<f64>) {
         let rear = self.problem.rear[t].velocity.map(|g| g * self.rear[t]);
-        Vector6::new(rear[0] + self.speed[t], rear[1], rear[2], 0.0, 0.0, self.lane[t])
+        out[0] += rear[0] + self.speed[t];
+        out[1] += rear[1];
+        out[2] += rear[2];
+        out[5] += self.lane[t];
     }
 
-    /// The part of stage t on x_t, from the front slip angle.
+    /// Adds the part of stage t on x_t, from the front slip angle.
     #[inline(always)]
-    pub(super) fn state(&self, t: usize) -> Vector6<f64> {
+    pub(super) fn add_state(&self, t: usize, out: &mut Vector6<f64>) {
         let front = self.problem.front[t].velocity.map(|g| g * self.front[t]);
-        Vector6::new(front[0], front[1], front[2], 0.0, 0.0, 0.0)
+        for (out, front) in out.iter_mut().zip(front) {
+            *out += front;
+        }
     }
 
     /// The part on u_t, the rate apart.
