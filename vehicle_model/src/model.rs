@@ -12,6 +12,8 @@ mod tyre;
 
 use serde::{Deserialize, Serialize};
 
+use track::MIN_FRENET_SCALE;
+
 use crate::number::Number;
 use crate::params::CarParams;
 use crate::road::Road;
@@ -213,10 +215,6 @@ impl Model {
         kinematic::velocities(&self.params, v_x, u.tan_delta())
     }
 }
-
-/// Smallest 1 - kappa e_y the pose equations divide by: the frame is singular at the centre of
-/// curvature, far off every track.
-const MIN_FRENET_SCALE: f64 = 0.05;
 
 /// Rates of the pose [e_psi, s, e_y] from the velocities [v_x, v_y, omega_z] (Frenet kinematics
 /// of Xue et al. 2023, which the paper states in its text, without a number).

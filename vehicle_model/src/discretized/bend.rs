@@ -3,7 +3,8 @@
 //! Where straights and arcs join, the curvature jumps. A Runge-Kutta step across such a place weighs the
 //! curvatures of its four stages without a view of where in the step the jump lies: its heading error is off
 //! by up to a third of jump times step length, by another amount at each crossing. The mean curvature of the
-//! step, which its stages then share, turns the centre line by exactly as much as it turns.
+//! step, which its stages then share, turns the centre line by exactly as much as it turns beside the way of the
+//! car: on the inner side of a bend more of the centre line passes in the same time.
 
 use nalgebra::Vector6;
 
@@ -37,9 +38,12 @@ impl<'a, R: Real> Bend<'a, R> {
         if !self.road.jumps() {
             return;
         }
-        let s = pose[1];
-        let ds = pose_rates(v, pose, s.map(|s| self.road.kappa(s)))[1] * h;
-        self.mean = Some(s.map_with(ds, |s, ds| self.road.mean_kappa(s, ds)));
+        let [_, s, e_y] = *pose;
+        // Along a straight line s changes by what the car goes ahead.
+        let [_, forward, aside] = pose_rates(v, pose, s.constant(0.0));
+        let (e_y, ahead) = (e_y + aside * (0.5 * h), forward * h);
+        self.mean =
+            Some(s.map_with([e_y, ahead], |s, [e_y, ahead]| self.road.mean_kappa(s, e_y, ahead)));
     }
 
     /// Curvature of the stage at `s` \[1/m\].
@@ -70,7 +74,7 @@ impl Discretized {
             return;
         }
         let share = match road.jumps() {
-            true => ((after - road.mean_kappa(x.s, ds)) / change).clamp(0.0, 1.0),
+            true => ((after - road.mean_kappa(x.s, 0.0, ds)) / change).clamp(0.0, 1.0),
             false => 0.5,
         };
         let e_y = x.e_y + share * (step.next[5] - x.e_y);

@@ -21,10 +21,10 @@
 //! Loads of the axles grow with `load`; roll and pitch accelerations, and the load transfer between
 //! left and right, are left out, as on a flat road.
 
-use super::MIN_FRENET_SCALE;
 use crate::number::{Number, Real};
 use crate::params::GRAVITY;
 use crate::road::Road;
+use track::MIN_FRENET_SCALE;
 
 /// A car that flies keeps this share of its weight on the road, so that the tyres stay defined.
 const MIN_LOAD: f64 = 0.02;

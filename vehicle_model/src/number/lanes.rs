@@ -108,11 +108,15 @@ impl<S: Simd> Real for Lanes<S> {
     }
 
     #[inline(always)]
-    fn map_with(self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+    fn map_with<const N: usize>(
+        self,
+        others: [Self; N],
+        mut f: impl FnMut(f64, [f64; N]) -> f64,
+    ) -> Self {
         let mut lane = 0;
         self.map(|value| {
             lane += 1;
-            f(value, other.lane(lane - 1))
+            f(value, others.map(|other| other.lane(lane - 1)))
         })
     }
 }

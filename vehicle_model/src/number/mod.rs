@@ -95,8 +95,12 @@ pub(crate) trait Real: Number<Real = Self> + Div<Output = Self> {
     fn any(self, mask: Self::Mask) -> bool;
     /// `f` of every lane.
     fn map(self, f: impl FnMut(f64) -> f64) -> Self;
-    /// `f` of every lane and that of `other`.
-    fn map_with(self, other: Self, f: impl FnMut(f64, f64) -> f64) -> Self;
+    /// `f` of every lane and those of `others`.
+    fn map_with<const N: usize>(
+        self,
+        others: [Self; N],
+        f: impl FnMut(f64, [f64; N]) -> f64,
+    ) -> Self;
 }
 
 impl Number for f64 {
@@ -163,7 +167,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn map_with(self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
-        f(self, other)
+    fn map_with<const N: usize>(
+        self,
+        others: [Self; N],
+        mut f: impl FnMut(f64, [f64; N]) -> f64,
+    ) -> Self {
+        f(self, others)
     }
 }

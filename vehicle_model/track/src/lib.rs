@@ -51,7 +51,7 @@ pub use fingerprint::fingerprint;
 pub use frenet::{Projection, wrap_angle};
 pub use points::TrackPoint;
 pub use random::random;
-pub use road::{Road, Surface, TrackRoad};
+pub use road::{MIN_FRENET_SCALE, Road, Surface, TrackRoad};
 pub use segment::Segment;
 pub use state::{GlobalState, NX, State};
 pub use write::points_to_toml;

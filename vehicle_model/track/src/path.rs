@@ -1,6 +1,7 @@
 //! The centre line as a chain of pieces, whatever each of them is.
 
 use super::arc::Arc;
+use super::road::MIN_FRENET_SCALE;
 use super::spline::Spline;
 
 /// The centre line of one lap.
@@ -10,6 +11,35 @@ pub(super) enum Path {
     Arcs(Vec<Arc>),
     /// A closed spline whose parameter is its arc length.
     Spline(Spline),
+}
+
+/// A way beside the centre line, followed from piece to piece.
+struct Way {
+    e_y: f64,
+    /// What of the way is left [m].
+    rest: f64,
+    /// What has passed of the centre line [m], and how far that turns [rad].
+    along: f64,
+    turned: f64,
+}
+
+impl Way {
+    fn new(e_y: f64, ahead: f64) -> Self {
+        Self { e_y, rest: ahead.abs(), along: 0.0, turned: 0.0 }
+    }
+
+    /// Whether the way ends within `length` [m] of the curvature `kappa`, which it passes; one without
+    /// end does at once.
+    #[inline]
+    fn ends_in(&mut self, kappa: f64, length: f64) -> bool {
+        let scale = (1.0 - kappa * self.e_y).max(MIN_FRENET_SCALE);
+        let ends = !(self.rest > length * scale && self.rest.is_finite());
+        let passed = if ends { self.rest / scale } else { length };
+        self.along += passed;
+        self.turned += kappa * passed;
+        self.rest -= passed * scale;
+        ends
+    }
 }
 
 /// Piece that holds s, found by walking from piece `near` of `count`; piece i begins at `begin(i)`.
@@ -80,23 +110,22 @@ impl Path {
         matches!(self, Self::Arcs(_))
     }
 
-    /// Mean curvature along `length` \[m\] from distance u in piece i on \[1/m\]; along a spline that where
-    /// it begins.
-    pub(super) fn mean_kappa(&self, i: usize, u: f64, length: f64) -> f64 {
+    /// Mean curvature along the centre line beside a way of `ahead` \[m\] at `e_y`, from distance u in
+    /// piece i on \[1/m\]; along a spline that where it begins.
+    pub(super) fn mean_kappa(&self, i: usize, u: f64, e_y: f64, ahead: f64) -> f64 {
         let Self::Arcs(arcs) = self else { return self.kappa_in(i, u) };
-        let left = arcs[i].length - u;
-        if !(length > left && length.is_finite()) {
+        let mut way = Way::new(e_y, ahead);
+        let onwards = ahead >= 0.0;
+        if way.ends_in(arcs[i].kappa, if onwards { arcs[i].length - u } else { u }) {
             return arcs[i].kappa;
         }
-        let (mut turned, mut rest) = (arcs[i].kappa * left, length - left);
-        for arc in arcs.iter().cycle().skip(i + 1).take(arcs.len()) {
-            turned += arc.kappa * rest.min(arc.length);
-            rest -= arc.length;
-            if rest <= 0.0 {
-                break;
-            }
+        let count = arcs.len();
+        let next = |j: usize| (j + if onwards { 1 } else { count - 1 }) % count;
+        let mut j = next(i);
+        while !way.ends_in(arcs[j].kappa, arcs[j].length) && j != i {
+            j = next(j);
         }
-        turned / length
+        way.turned / way.along
     }
 
     /// Curvature from `from` to `to`, if both lie in one straight or arc [1/m].

@@ -4,6 +4,10 @@ use std::cell::Cell;
 
 use crate::Track;
 
+/// Least 1 - kappa e_y that the pose equations divide by: the frame is singular at the centre of curvature,
+/// far off every track.
+pub const MIN_FRENET_SCALE: f64 = 0.05;
+
 /// A road along s.
 pub trait Road {
     /// Curvature of the centre line in plan view at s, positive to the left \[1/m\].
@@ -14,8 +18,9 @@ pub trait Road {
         false
     }
 
-    /// Mean curvature from s to s + `ds` \[1/m\]; on a road without jumps that at s.
-    fn mean_kappa(&self, s: f64, _ds: f64) -> f64 {
+    /// Mean curvature of the centre line from s on, while a car goes `ahead` \[m\] beside it at `e_y`
+    /// \[1/m\]; on a road without jumps that at s.
+    fn mean_kappa(&self, s: f64, _e_y: f64, _ahead: f64) -> f64 {
         self.kappa(s)
     }
 
@@ -86,10 +91,9 @@ impl Road for TrackRoad<'_> {
         self.track.path.is_arcs()
     }
 
-    fn mean_kappa(&self, s: f64, ds: f64) -> f64 {
-        let (from, length) = if ds < 0.0 { (s + ds, -ds) } else { (s, ds) };
-        let (i, u) = self.find(self.track.wrap(from));
-        self.track.path.mean_kappa(i, u, length)
+    fn mean_kappa(&self, s: f64, e_y: f64, ahead: f64) -> f64 {
+        let (i, u) = self.find(self.track.wrap(s));
+        self.track.path.mean_kappa(i, u, e_y, ahead)
     }
 
     fn is_flat(&self) -> bool {
