@@ -85,9 +85,11 @@ impl Config {
             let lap = PointMass::new(car, track);
             let substep = config.horizon.period / config.horizon.substeps as f64;
             let wanted = GROWTH / instability(car, RACING_LINE * lap.top).max(1e-6);
+            // A smaller car does as much in less time; a larger one is no slower to steer for that.
+            let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
-            let period = (1e3 * wanted).floor().max(10.0) / 1e3;
-            config.horizon.period = period.min(config.horizon.period);
+            let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor().max(10.0);
+            config.horizon.period = (period / 1e3).min(config.horizon.period);
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap);
             config.warm_up.speed = round(WARM_UP_SHARE * lap.mean);

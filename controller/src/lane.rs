@@ -14,7 +14,7 @@ const LEFT: f64 = 0.6;
 const NARROWED: f64 = 0.1;
 
 /// Heading error beyond which a plan is no help to keep the body inside [rad].
-const ACROSS: f64 = 0.5;
+const ACROSS: f64 = 1.0;
 
 /// Least and greatest e_y of a planned state that keeps `more` free beside the lane margin \[m\].
 pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, more: f64) -> [f64; 2] {
