@@ -51,3 +51,33 @@ fn room(outline: &Outline, track: &Track, x: &State) -> [f64; 2] {
     let [left, right] = outline.overhangs(track, &State { e_psi, ..*x });
     [x.e_y - left, -x.e_y - right].map(|room| room + outline.half_width)
 }
+
+#[cfg(test)]
+mod tests {
+    use vehicle_model::CarParams;
+
+    use super::*;
+
+    /// On a straight a body in the middle of the room left to it touches the edge with a corner, as rotation says.
+    #[test]
+    fn a_body_across_the_track_has_the_room_that_its_corners_leave() {
+        let car = CarParams::builtin("f1tenth").unwrap();
+        let track = Track::builtin("l").unwrap();
+        let outline = Outline::new(&car);
+        let s = 1.0;
+        assert_eq!(track.even_around(s, 2.0 * car.length).map(|(kappa, _)| kappa), Some(0.0));
+        for e_psi in [-0.9, -0.7, -0.4, 0.0, 0.4, 0.9] {
+            let x = State { s, e_psi, e_y: 0.05, ..State::default() };
+            let [left, right] = room(&outline, &track, &x);
+            let (sin, cos) = libm::sincos(e_psi);
+            let across = outline.corners().map(|(forward, left)| forward * sin + left * cos);
+            let [most, least] = [
+                across.iter().fold(f64::MIN, |a, b| a.max(*b)),
+                across.iter().fold(f64::MAX, |a, b| a.min(*b)),
+            ];
+            let [to_left, to_right] = [left - outline.half_width, outline.half_width - right];
+            assert!((to_left + most - track.width_left(s)).abs() < 1e-9, "{e_psi} {to_left}");
+            assert!((to_right + least + track.width_right(s)).abs() < 1e-9, "{e_psi} {to_right}");
+        }
+    }
+}
