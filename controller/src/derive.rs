@@ -89,7 +89,7 @@ impl Config {
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
             let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor().max(10.0);
-            config.horizon.period = (period / 1e3).min(config.horizon.period);
+            config.horizon.period = period / 1e3;
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap);
             config.warm_up.speed = round(WARM_UP_SHARE * lap.mean);

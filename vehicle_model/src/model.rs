@@ -12,11 +12,9 @@ mod tyre;
 
 use serde::{Deserialize, Serialize};
 
-use track::MIN_FRENET_SCALE;
-
 use crate::number::Number;
 use crate::params::CarParams;
-use crate::road::Road;
+use crate::road::{MIN_FRENET_SCALE, Road};
 use crate::state::{Input, NU, NX, State};
 
 pub use axles::AxleForces;

@@ -2,6 +2,7 @@
 
 use crate::params::GRAVITY;
 
+pub(crate) use track::MIN_FRENET_SCALE;
 pub use track::{Road, Surface};
 
 /// A road that is everywhere as it is at one place.

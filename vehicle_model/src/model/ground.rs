@@ -23,8 +23,7 @@
 
 use crate::number::{Number, Real};
 use crate::params::GRAVITY;
-use crate::road::Road;
-use track::MIN_FRENET_SCALE;
+use crate::road::{MIN_FRENET_SCALE, Road};
 
 /// A car that flies keeps this share of its weight on the road, so that the tyres stay defined.
 const MIN_LOAD: f64 = 0.02;
