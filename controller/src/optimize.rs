@@ -208,8 +208,8 @@ impl Workspace {
             // Room for the noise itself made cars slower that were off the track as often.
             let room = sigmas * slip::deviation(&ahead, &problem.rear[t]);
             problem.rear_share[t] = slip::left(share * load, room, problem.rear_max);
-            let lane = lane::bounds(setup, self.outline.as_ref(), next, aside);
-            [self.problem.e_y_min[t], self.problem.e_y_max[t]] = lane;
+            lane::bounds(setup, self.outline.as_ref(), next, (far, aside))
+                .bound(&mut self.problem, t);
         }
         self.bound_speed(setup, memory);
         let models = &mut self.problem.model;

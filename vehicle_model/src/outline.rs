@@ -12,6 +12,9 @@ use crate::track::Track;
 /// lengths of the body.
 const AROUND: f64 = 2.0;
 
+/// Heading error up to which either end may be the one that reaches farther to a side [rad].
+const EITHER_END: f64 = 0.1;
+
 /// A rectangle around the centre of gravity, in the frame of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
@@ -102,6 +105,21 @@ impl Outline {
         points.map(beyond).fold([f64::NEG_INFINITY; 2], |[left, right], [more_left, more_right]| {
             [left.max(more_left), right.max(more_right)]
         })
+    }
+
+    /// How much farther the body reaches to the left with its heading, about [m/rad]: the lever of the
+    /// corner that reaches farthest, or of the side's point nearest to a centre of curvature there.
+    /// Mirrored arguments give that to the right.
+    #[must_use]
+    pub fn reach_by_heading(&self, kappa: f64, e_psi: f64, e_y: f64) -> f64 {
+        let (sin, cos) = libm::sincos(e_psi);
+        let share = (0.5 + 0.5 * e_psi / EITHER_END).clamp(0.0, 1.0);
+        let mut forward = share * self.front - (1.0 - share) * self.rear;
+        if kappa > 0.0 {
+            let nearest = (1.0 / kappa - e_y).max(0.0) * sin;
+            forward = nearest.clamp(forward.min(0.0), forward.max(0.0));
+        }
+        forward * cos - self.half_width * sin
     }
 
     /// The points of the four sides nearest to the centre of curvature; none where that is a

@@ -222,9 +222,11 @@ fn inequalities<E: Entries>(problem: &Fhocp, shape: &Shape, rows: &mut Rows<E>) 
                 }
             }
         }
-        let (e_y, slack) = (shape.x(t + 1) + 5, shape.lane() + t);
-        rows.soft(&[(e_y, 1.0)], slack, problem.e_y_max[t]);
-        rows.soft(&[(e_y, -1.0)], slack, -problem.e_y_min[t]);
+        let (next, slack) = (shape.x(t + 1), shape.lane() + t);
+        for (sign, bound) in [(1.0, problem.e_y_max[t]), (-1.0, -problem.e_y_min[t])] {
+            let heading = sign * problem.lane_heading[t];
+            rows.soft(&[(next + 3, heading), (next + 5, sign)], slack, bound);
+        }
         rows.bound(slack, -1.0, 0.0);
         if shape.front {
             let slack = shape.front_slack() + t;

@@ -8,7 +8,7 @@
 //! subject to x_{t+1} = A_t x_t + B_t ((1 - lag) u_t + lag u_{t-1}) + C_t
 //!            u_min <= u_0 <= u_max,   u_min + r_min <= u_t <= u_max - r_max   t = 1..N-1
 //!            |u_t - u_{t-1}| <= du_max                            t = 0..N-1
-//!            e_y_min_t - s_t <= e_y(x_t) <= e_y_max_t + s_t       t = 1..N
+//!            e_y_min_t - s_t <= e_y(x_t) + h_t e_psi(x_t) <= e_y_max_t + s_t       t = 1..N
 //!            |alpha_f(x_t, u_t)| <= front_max share_t + f_t       t = 0..N-1
 //!            |alpha_r(x_t)| <= rear_max share_t + g_t                     t = 1..N
 //!            v_x(x_t) <= speed_max_t + p_t                        t = 1..N
@@ -96,9 +96,11 @@ pub struct Fhocp {
     pub reserve: [Vector2<f64>; 2],
     /// Greatest difference of successive inputs; infinite for none.
     pub du_max: Vector2<f64>,
-    /// Least e_y of stage t + 1, N \[m\].
+    /// Lever h of the heading error in the lane of stage t + 1, N [m/rad].
+    pub lane_heading: Vec<f64>,
+    /// Least e_y + h e_psi of stage t + 1, N \[m\].
     pub e_y_min: Vec<f64>,
-    /// Greatest e_y of stage t + 1, N \[m\].
+    /// Greatest e_y + h e_psi of stage t + 1, N \[m\].
     pub e_y_max: Vec<f64>,
     /// Linear weight of the lane slack.
     pub lane_linear: f64,
@@ -145,6 +147,7 @@ impl Fhocp {
             u_max: Vector2::repeat(1.0),
             reserve: [Vector2::zeros(); 2],
             du_max: Vector2::repeat(f64::INFINITY),
+            lane_heading: vec![0.0; horizon],
             e_y_min: vec![-1.0; horizon],
             e_y_max: vec![1.0; horizon],
             lane_linear: 0.0,
@@ -197,6 +200,7 @@ impl Fhocp {
         let mut sum = naught(self.x_0.as_slice()) + naught(self.terminal_slack_weight.as_slice());
         sum += naught(self.u_prev.as_slice()) + naught(&self.hull_cost);
         sum += naught(&self.e_y_min) + naught(&self.e_y_max);
+        sum += naught(&self.lane_heading);
         for point in &self.hull {
             sum += naught(point.as_slice());
         }

@@ -33,7 +33,7 @@ impl Slacks {
         for t in 0..problem.horizon() {
             let (x, next) = (&solution.x[t], &solution.x[t + 1]);
             let delta = solution.u[t][1];
-            let e_y = next[5];
+            let e_y = next[5] + problem.lane_heading[t] * next[3];
             self.lane.push((problem.e_y_min[t] - e_y).max(e_y - problem.e_y_max[t]).max(0.0));
             let front_max = problem.front_max * problem.front_share[t];
             self.front.push((problem.front[t].angle(x, delta).abs() - front_max).max(0.0));

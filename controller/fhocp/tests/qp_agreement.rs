@@ -48,7 +48,7 @@ fn differences<'a>(name: &str, problems: impl IntoIterator<Item = &'a Fhocp>) ->
 #[test]
 fn random_problems_of_all_shapes() {
     let sizes = [(2, 1), (3, 2), (5, 7), (10, 24), (15, 30)];
-    for parts in 0..64 {
+    for parts in 0..128 {
         let (horizon, hull) = sizes[parts as usize % sizes.len()];
         let problems: Vec<Fhocp> = (0..6)
             .map(|seed| random(seed + 100 * u64::from(parts), horizon, hull, parts))

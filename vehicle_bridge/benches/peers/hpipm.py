@@ -21,10 +21,11 @@ class Hpipm:
         n, weights = p.n, p.points - 1
         dim = hp.hpipm_ocp_qp_dim(n)
         self.limited = [i for i in range(2) if np.isfinite(p.du_max[i])]
-        ng = [p.has_front * (t < n) + p.has_rear * (t > 0) + len(self.limited) * (t < n) for t in range(n + 1)]
+        soft_rows = [p.has_front * (t < n) + (p.has_rear + 1) * (t > 0) for t in range(n + 1)]
+        ng = [soft_rows[t] + len(self.limited) * (t < n) for t in range(n + 1)]
         ng[n] += weights > 0
-        nbx = [0 if t == 0 else 1 + p.has_speed for t in range(n + 1)]
-        soft = [nbx[t] + p.has_front * (t < n) + p.has_rear * (t > 0) for t in range(n + 1)]
+        nbx = [p.has_speed * (t > 0) for t in range(n + 1)]
+        soft = [nbx[t] + soft_rows[t] for t in range(n + 1)]
         for t in range(n + 1):
             last = t == n
             dim.set("nx", 0 if t == 0 else nx, t)
@@ -134,21 +135,22 @@ class Hpipm:
             self.qp.set("ubu_mask", np.zeros((nu, 1)), t)
         if nbx:
             chosen = np.zeros((nbx, nx))
-            chosen[0, 5] = 1.0
-            low, high = np.array([p.e_y_min[t - 1], -1e6]), np.array([p.e_y_max[t - 1], p.speed_max[t - 1]])
-            if nbx == 2:
-                chosen[1, 0] = 1.0
+            chosen[0, 0] = 1.0
             self.qp.set("Jbx", chosen, t)
-            high = np.where(np.isfinite(high), high, 1e6)
-            self.qp.set("lbx", low[:nbx].reshape(-1, 1).copy(), t)
-            self.qp.set("ubx", high[:nbx].reshape(-1, 1).copy(), t)
-            if nbx == 2:
-                self.qp.set("lbx_mask", np.array([[1.0], [0.0]]), t)
+            self.qp.set("lbx", np.array([[-1e6]]), t)
+            self.qp.set("ubx", np.array([[min(p.speed_max[t - 1], 1e6)]]), t)
+            self.qp.set("lbx_mask", np.array([[0.0]]), t)
 
     def _general(self, t, nx, nu, ng, start):
-        """Slip angles, rates, and the sum of the weights."""
+        """Lane, slip angles, rates, and the sum of the weights."""
         p, n = self.p, self.p.n
         rows, low, high = [], [], []
+        if t > 0:
+            row = np.zeros(nu + nx)
+            row[nu + 5], row[nu + 3] = 1.0, p.lane_heading[t - 1]
+            rows.append(row)
+            low.append(p.e_y_min[t - 1])
+            high.append(p.e_y_max[t - 1])
         if p.has_front and t < n:
             front, most = p.front[t], p.front_max * p.front_share[t]
             rows.append(self._slip(front, nu, nx))
@@ -201,8 +203,10 @@ class Hpipm:
             self.qp.set("Jsbx", of_states, t)
         if ng:
             self.qp.set("Jsg", of_rows, t)
-        linear = [p.lane_linear, p.speed_linear][:nbx] + [p.slip_linear] * (soft - nbx)
-        quadratic = [2.0 * p.lane_quadratic, 0.0][:nbx] + [0.0] * (soft - nbx)
+        lane = int(t > 0)
+        slips = soft - nbx - lane
+        linear = [p.speed_linear] * nbx + [p.lane_linear] * lane + [p.slip_linear] * slips
+        quadratic = [0.0] * nbx + [2.0 * p.lane_quadratic] * lane + [0.0] * slips
         for side in "lu":
             self.qp.set(f"Z{side}", np.array(quadratic, dtype=float).reshape(-1, 1), t)
             self.qp.set(f"z{side}", np.array(linear, dtype=float).reshape(-1, 1), t)

@@ -1,4 +1,4 @@
-"""A problem file of the format lmpc-qp-1, which docs/qp_files.md describes."""
+"""A problem file of the format lmpc-qp-2, which docs/qp_files.md describes."""
 
 import json
 import sys
@@ -11,8 +11,8 @@ class Problem:
 
     def __init__(self, path):
         document = json.loads(path.read_text())
-        if document["format"] != "lmpc-qp-1":
-            sys.exit(f"{path}: the format is {document['format']}, not lmpc-qp-1")
+        if document["format"] != "lmpc-qp-2":
+            sys.exit(f"{path}: the format is {document['format']}, not lmpc-qp-2")
         self.name = path.stem
         self.a = np.array([stage["a"] for stage in document["model"]])
         self.b = np.array([stage["b"] for stage in document["model"]])

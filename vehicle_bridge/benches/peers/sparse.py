@@ -95,7 +95,7 @@ class Sparse:
             self._row("A", terms, right)
         slack, after = u + 2, self.x(t + 1)
         lane = (p.lane_linear, p.lane_quadratic)
-        self._soft([(after + 5, 1.0)], 0.0, p.e_y_min[t], p.e_y_max[t], slack, lane)
+        self._soft([(after + 5, 1.0), (after + 3, p.lane_heading[t])], 0.0, p.e_y_min[t], p.e_y_max[t], slack, lane)
         front, rear = p.front[t], p.rear[t]
         terms, known = self._velocities(t, front["velocity"])
         terms, known = [*terms, (u + 1, front["steering"])], known + front["offset"]

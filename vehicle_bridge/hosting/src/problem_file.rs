@@ -1,6 +1,6 @@
 //! Optimal control problems in files: one JSON document for each FHOCP.
 //!
-//! The format `lmpc-qp-1` is described in `docs/qp_files.md`: the numbers of [`Fhocp`] under the same names,
+//! The format `lmpc-qp-2` is described in `docs/qp_files.md`: the numbers of [`Fhocp`] under the same names,
 //! matrices row by row, an infinite bound as `null`. Numbers are written so that they are read back to
 //! the same bits.
 
@@ -12,7 +12,10 @@ use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
 use serde::{Deserialize, Serialize};
 
 /// The version of the format.
-pub const FORMAT: &str = "lmpc-qp-1";
+pub const FORMAT: &str = "lmpc-qp-2";
+
+/// The version before, without `lane_heading`; it is read as zeros.
+const WITHOUT_HEADING: &str = "lmpc-qp-1";
 
 /// Why a problem could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -81,6 +84,8 @@ struct Document {
     slip_linear: f64,
     speed_linear: f64,
     terminal_slack_weight: [f64; 6],
+    #[serde(default)]
+    lane_heading: Vec<f64>,
     e_y_min: Vec<f64>,
     e_y_max: Vec<f64>,
     front_share: Vec<f64>,
@@ -151,6 +156,7 @@ impl Document {
             slip_linear: problem.slip_linear,
             speed_linear: problem.speed_linear,
             terminal_slack_weight: problem.terminal_slack_weight.into(),
+            lane_heading: problem.lane_heading.clone(),
             e_y_min: problem.e_y_min.clone(),
             e_y_max: problem.e_y_max.clone(),
             front_share: problem.front_share.clone(),
@@ -165,17 +171,23 @@ impl Document {
     }
 
     /// The problem, or what does not fit.
-    fn problem(self) -> Result<Fhocp, String> {
-        if self.format != FORMAT {
-            return Err(format!("`format` is '{}'", self.format));
-        }
+    fn problem(mut self) -> Result<Fhocp, String> {
         let (horizon, points) = (self.model.len(), self.hull.len());
+        match self.format.as_str() {
+            FORMAT => {}
+            WITHOUT_HEADING if self.lane_heading.is_empty() => {
+                self.lane_heading = vec![0.0; horizon];
+            }
+            WITHOUT_HEADING => return Err(format!("`lane_heading` needs `format` {FORMAT}")),
+            _ => return Err(format!("`format` is '{}'", self.format)),
+        }
         if horizon == 0 || points == 0 {
             return Err(format!(
                 "{horizon} stages in `model` and {points} points in `hull`; both take at least one"
             ));
         }
         let lengths = [
+            ("lane_heading", self.lane_heading.len()),
             ("e_y_min", self.e_y_min.len()),
             ("e_y_max", self.e_y_max.len()),
             ("front_share", self.front_share.len()),
@@ -210,6 +222,7 @@ impl Document {
         problem.slip_linear = self.slip_linear;
         problem.speed_linear = self.speed_linear;
         problem.terminal_slack_weight = Vector6::from(self.terminal_slack_weight);
+        problem.lane_heading = self.lane_heading;
         problem.e_y_min = self.e_y_min;
         problem.e_y_max = self.e_y_max;
         problem.front_share = self.front_share;
@@ -289,8 +302,22 @@ mod tests {
         problem.du_max[0] = 0.7;
         problem.front[1].velocity = [1e-300, 2.0, -3.0];
         problem.reserve[1][0] = 0.05;
+        problem.lane_heading[1] = 0.1 + 0.2;
         write(&path, &problem).unwrap();
         assert_eq!(read_all(folder.path()).unwrap(), [("a".to_owned(), problem)]);
+    }
+
+    /// Files of the version before had lanes that the heading does not enter.
+    #[test]
+    fn the_version_before_is_read_with_levers_of_zero() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.json");
+        let problem = Fhocp::new(3, 2);
+        write(&path, &problem).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let text = text.replacen("\"lane_heading\":[0.0,0.0,0.0],", "", 1);
+        std::fs::write(&path, text.replacen(FORMAT, WITHOUT_HEADING, 1)).unwrap();
+        assert_eq!(read(&path).unwrap(), problem);
     }
 
     #[test]
@@ -305,6 +332,9 @@ mod tests {
             ("\"rear_share\":[1.0,", "\"rear_share\":[", "`rear_share` has 2 entries, not 3"),
             ("\"lag\":0.0", "\"lag\":null", "invalid type: null"),
             ("\"lag\"", "\"leg\"", "unknown field `leg`"),
+            ("lane_heading", "lane_herding", "unknown field `lane_herding`"),
+            ("\"lane_heading\":[0.0,0.0,0.0],", "", "`lane_heading` has 0 entries, not 3"),
+            (FORMAT, WITHOUT_HEADING, "`lane_heading` needs `format` lmpc-qp-2"),
         ] {
             std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
             let found = read(&path).unwrap_err().to_string();

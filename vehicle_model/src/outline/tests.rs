@@ -51,6 +51,54 @@ fn anywhere_on_a_track_it_is_the_projection() {
     assert!(closed > 400, "{closed} of 1,600 in closed form");
 }
 
+/// Beside straights and arcs to both sides the lever is the slope of the overhang, where it has one: not
+/// where either end may reach farther, nor near the heading at which the nearest point leaves the side.
+#[test]
+fn the_lever_of_the_heading_is_the_slope_of_the_overhang() {
+    let outline = iac();
+    let straight = Track::from_segments(
+        "oval",
+        &[
+            Segment::straight(200.0),
+            Segment::arc(30.0, std::f64::consts::PI),
+            Segment::straight(200.0),
+            Segment::arc(30.0, std::f64::consts::PI),
+        ],
+        5.0,
+        5.0,
+    )
+    .unwrap();
+    let mut compared = 0;
+    for (track, s) in [(straight, 100.0), (circle(25.0), 7.0), (circle(-25.0), 7.0)] {
+        let kappa = track.kappa(s);
+        for i in -15_i32..=15 {
+            for e_y in [-2.0, 0.0, 2.0] {
+                let e_psi = 0.05 * f64::from(i);
+                let at = |e_psi: f64| {
+                    outline
+                        .overhangs(&track, &State { v_x: 1.0, e_psi, s, e_y, ..State::default() })
+                };
+                let step = 1e-4;
+                let slopes = [0, 1].map(|side| {
+                    let [before, here, after] = [-step, 0.0, step].map(|d| at(e_psi + d)[side]);
+                    let [rise, next] = [(here - before) / step, (after - here) / step];
+                    ((rise - next).abs() < 0.02).then_some(0.5 * (rise + next))
+                });
+                let left = outline.reach_by_heading(kappa, e_psi, e_y);
+                // On the right a lever of the sum e_y + lever e_psi is against that side's reach.
+                let right = -outline.reach_by_heading(-kappa, -e_psi, -e_y);
+                for (lever, slope) in [left, right].into_iter().zip(slopes) {
+                    let Some(slope) = slope.filter(|_| e_psi.abs() > EITHER_END) else { continue };
+                    compared += 1;
+                    let most = 0.06 * outline.front.max(outline.rear) + 0.1 * slope.abs();
+                    assert!((lever - slope).abs() < most, "{kappa} {e_psi} {e_y}: {lever} {slope}");
+                }
+            }
+        }
+    }
+    assert!(compared > 400, "{compared}");
+}
+
 #[test]
 fn no_point_of_the_body_reaches_further() {
     let outline = iac();

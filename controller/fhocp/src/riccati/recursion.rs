@@ -349,6 +349,11 @@ fn add_soft(problem: &Fhocp, t: usize, [rear, speed, lane]: [&[f64]; 3], p: &mut
     add_square(p, &problem.rear[t].velocity, rear[t]);
     p[0][0] += speed[t];
     p[5][5] += lane[t];
+    let heading = problem.lane_heading[t];
+    let by = lane[t] * heading;
+    p[3][3] += by * heading;
+    p[3][5] += by;
+    p[5][3] += by;
 }
 
 /// Adds curvature g g' on the velocities.

@@ -30,7 +30,7 @@ pub(super) const QUANTITIES: usize = 8;
 pub(super) const INPUT: [usize; NU] = [0, 1];
 /// Their differences u_t - u_{t-1}.
 pub(super) const RATE: [usize; NU] = [2, 3];
-/// Lane, on e_y of x_{t+1}.
+/// Lane, on e_y and e_psi of x_{t+1}.
 pub(super) const LANE: usize = 4;
 /// Rear slip angle, on x_{t+1}.
 pub(super) const REAR: usize = 5;
@@ -300,6 +300,7 @@ impl Rows {
         let at = self.column.map(|column| column * n);
         let (x, u) = (&point.x[..n + 1], &point.u[..n]);
         let (rear, front) = (&problem.rear[..n], &problem.front[..n]);
+        let heading = &problem.lane_heading[..n];
         let mut v = u_before;
         for t in 0..n {
             let (u, next) = (&u[t], &x[t + 1]);
@@ -307,7 +308,7 @@ impl Rows {
             q[at[1] + t] = u[1];
             q[at[2] + t] = u[0] - v[0];
             q[at[3] + t] = u[1] - v[1];
-            q[at[LANE] + t] = next[5];
+            q[at[LANE] + t] = next[5] + heading[t] * next[3];
             q[at[REAR] + t] = along(&rear[t], next);
             q[at[FRONT] + t] = along(&front[t], &x[t]) + front[t].steering * u[1];
             q[at[SPEED] + t] = next[0];

@@ -233,6 +233,7 @@ impl Stages<'_> {
         out[0] += rear[0] + self.speed[t];
         out[1] += rear[1];
         out[2] += rear[2];
+        out[3] += self.problem.lane_heading[t] * self.lane[t];
         out[5] += self.lane[t];
     }
 

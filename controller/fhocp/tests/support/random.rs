@@ -24,8 +24,8 @@ impl Random {
     }
 }
 
-/// A random problem; bits 0..6 of `parts` switch on the rate limits of a and delta, the front and
-/// rear guard, the speed cap and the actuators' lag.
+/// A random problem; bits 0..7 of `parts` switch on the rate limits of a and delta, the front and
+/// rear guard, the speed cap, the actuators' lag and the heading in the lane.
 pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
     let r = &mut Random::new(seed);
     let mut problem = Fhocp::new(horizon, hull);
@@ -51,6 +51,7 @@ pub fn random(seed: u64, horizon: usize, hull: usize, parts: u32) -> Fhocp {
     for t in 0..horizon {
         problem.e_y_max[t] = 0.3 + 0.5 * r.share();
         problem.e_y_min[t] = -0.3 - 0.5 * r.share();
+        problem.lane_heading[t] = if parts >> 6 & 1 == 1 { r.next() } else { 0.0 };
         problem.front[t] = slip(r, 1.0);
         problem.rear[t] = slip(r, 0.0);
         problem.rear_share[t] = 0.5 + 0.5 * r.share();
