@@ -31,7 +31,7 @@ test:
 test-fast:
 	cargo test --release -p vehicle_model -p track -p controller -p fhocp -p actuators -p neighbors -p house_tests
 	cargo test --release -p lcm_types -p safety -p mapping -p svg_page -p optimum_store -p hosting \
-		-p atomic_file -p protocol -p racing -p studies -p log_export -p live_view --lib
+		-p atomic_file -p bounded_file -p protocol -p racing -p studies -p log_export -p live_view --lib
 
 # The generated pages of docs/ and the golden files of tests, written anew.
 generated:

@@ -96,27 +96,34 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("controller/fhocp", "clarabel nalgebra pulp serde vector_sums vehicle_model"),
     ("controller/neighbors", ""),
     ("controller/vector_sums", ""),
-    ("fmu", "atomic_file controller postcard roxmltree serde thiserror vehicle_model zip"),
+    (
+        "fmu",
+        "atomic_file bounded_file controller postcard roxmltree serde thiserror vehicle_model zip",
+    ),
     ("fmu/capi", "controller crc32fast fmu_core postcard vehicle_model"),
     ("fmu/controller", "fmu_core"),
     ("fmu/vehicle", "fmu_core"),
     ("lcm_types", "crc32fast thiserror"),
-    ("python", "anyhow controller hosting numpy optimum pyo3 racing studies vehicle_model"),
+    (
+        "python",
+        "anyhow bounded_file controller hosting numpy optimum pyo3 racing studies vehicle_model",
+    ),
     (
         "vehicle_bridge",
-        "anstream anyhow auth clap clap_complete clap_mangen comfy-table command_line controller doctor driven_laps file_check fmu_core foxglove hil_bench hosting lcm_types live_view log_export network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies terminal terminal_size toml transport vehicle_host vehicle_model",
+        "anstream anyhow auth bounded_file clap clap_complete clap_mangen comfy-table command_line controller doctor driven_laps file_check fmu_core foxglove hil_bench hosting lcm_types live_view log_export network_watch nix optimum optimum_store protocol racing report safety serde serde_json services signal-hook step_timing studies terminal terminal_size toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/atomic_file", ""),
+    ("vehicle_bridge/bounded_file", "thiserror"),
     ("vehicle_bridge/auth", "anyhow hmac hosting lcm_types nix sha2 thiserror transport"),
     (
         "vehicle_bridge/command_line",
         "anstream clap clap_complete controller driven_laps hil_bench hosting lcm_types services studies transport vehicle_model",
     ),
     ("vehicle_bridge/doctor", "file_check fmu_core hosting nix serde transport"),
-    ("vehicle_bridge/driven_laps", "anyhow controller csv lcm_types vehicle_model"),
+    ("vehicle_bridge/driven_laps", "anyhow bounded_file controller csv lcm_types vehicle_model"),
     (
         "vehicle_bridge/file_check",
-        "controller hil_bench mapping serde services toml vehicle_host vehicle_model",
+        "bounded_file controller hil_bench mapping serde services toml vehicle_host vehicle_model",
     ),
     (
         "vehicle_bridge/hil_bench",
@@ -124,7 +131,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ),
     (
         "vehicle_bridge/hosting",
-        "anyhow atomic_file controller nalgebra nix serde serde_json signal-hook thiserror thread-priority toml vehicle_model",
+        "anyhow atomic_file bounded_file controller nalgebra nix serde serde_json signal-hook thiserror thread-priority toml vehicle_model",
     ),
     (
         "vehicle_bridge/live_view",
@@ -134,7 +141,7 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/mapping", "lcm_types serde toml vehicle_model"),
     ("vehicle_bridge/network_watch", "lcm_types safety serde"),
     ("vehicle_bridge/optimum", "clarabel nalgebra thiserror vehicle_model"),
-    ("vehicle_bridge/optimum_store", "anyhow optimum serde toml vehicle_model"),
+    ("vehicle_bridge/optimum_store", "anyhow bounded_file optimum serde toml vehicle_model"),
     (
         "vehicle_bridge/protocol",
         "anyhow controller hosting lcm_types nix serde_json transport vehicle_model",
@@ -147,12 +154,12 @@ const DEPENDENCIES: &[(&str, &str)] = &[
     ("vehicle_bridge/safety", "lcm_types thiserror vehicle_model"),
     (
         "vehicle_bridge/services",
-        "anyhow auth controller hosting lcm_types mapping nix protocol safety sd-notify toml transport vehicle_host vehicle_model",
+        "anyhow auth bounded_file controller hosting lcm_types mapping nix protocol safety sd-notify toml transport vehicle_host vehicle_model",
     ),
     ("vehicle_bridge/step_timing", "controller hosting nix serde thiserror vehicle_model"),
     (
         "vehicle_bridge/studies",
-        "anyhow atomic_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
+        "anyhow atomic_file bounded_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
     ("vehicle_bridge/terminal", "anstream anstyle indicatif network_watch racing serde serde_json"),

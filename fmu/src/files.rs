@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bounded_file::Limit;
 use controller::Learned;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Track};
@@ -53,8 +54,8 @@ pub(crate) fn read(io: &Io<'_>, what: &str, name: &str) -> Result<String, CallEr
         let places: Vec<String> = tried.iter().map(|p| p.display().to_string()).collect();
         CallError::Failed(format!("{what} '{name}': no such file; looked at {}", places.join(", ")))
     })?;
-    std::fs::read_to_string(place)
-        .map_err(|e| CallError::Failed(format!("{what} {}: {e}", place.display())))
+    bounded_file::text(place, Limit::SETTINGS)
+        .map_err(|e| CallError::Failed(format!("{what}: {e}")))
 }
 
 /// A track that ships, or one from a file.

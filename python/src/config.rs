@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bounded_file::Limit;
 use controller::config::keys::ConfigValue;
 use hosting::settings::{Layers, SettingOrigin};
 use pyo3::IntoPyObjectExt;
@@ -88,9 +89,8 @@ impl Config {
         let mut config = Self::default();
         if let Some(path) = file {
             let name = path.display().to_string();
-            let text = std::fs::read_to_string(&path).map_err(|error| {
-                PyErr::new::<ConfigError, _>(format!("cannot read {name}: {error}"))
-            })?;
+            let text = bounded_file::text(&path, Limit::SETTINGS)
+                .map_err(|error| PyErr::new::<ConfigError, _>(error.to_string()))?;
             config.file(&text, &name)?;
         }
         if let Some(preset) = preset {

@@ -89,6 +89,75 @@ fn all_bad_values_are_named_at_once_with_their_lines() {
     assert!(message.contains("mass_kg: found -1, expected a number above 0"), "{message}");
 }
 
+/// Each is in its range, and no car has it.
+#[test]
+fn absurd_values_are_named_with_what_is_plausible() {
+    let with = |line: &str| format!("{line}\n{BARC}");
+    let replaced = |from: &str, to: &str| BARC.replacen(from, to, 1);
+    let cases = [
+        (
+            replaced("delta_max_rad = 0.436", "delta_max_rad = 1.5"),
+            "delta_max_rad: found 1.5, expected an angle of the wheels above 0 and at most 1.2 rad",
+        ),
+        (
+            replaced("mass_kg = 2.2187", "mass_kg = 1e9").replace("0.02723", "1e7"),
+            "mass_kg: found 1000000000",
+        ),
+        (
+            BARC.replace("= 0.13 ", "= 1e-6 ")
+                .replace("0.02723", "1e-12")
+                .replace("0.37 ", "3e-6 ")
+                .replace("0.195", "1e-6"),
+            "l_f_m: found 0.000001",
+        ),
+        (
+            replaced("mu = 0.9", "mu = 1e-9"),
+            "tyre_front.mu: found 0.000000001, expected a coefficient of at least",
+        ),
+        (replaced("c = 2.28", "c = 1e-3"), "tyre_front.c: found 0.001, expected a shape factor"),
+        (replaced("c = 2.28", "c = 40.0"), "tyre_front.c: found 40"),
+        (replaced("b = 5.0", "b = 1e6"), "tyre_front.b: found 1000000 with c = 2.28"),
+        (
+            with("power_max_w = 0.08"),
+            "power_max_w: found 0.08, expected at least 0.1 for each kilogram; it is in W, not in kW",
+        ),
+        (with("drive_force_max_n = 1e-3"), "drive_force_max_n: found 0.001"),
+        (with("brake_force_max_n = 1e-3"), "brake_force_max_n: found 0.001"),
+        (with("speed_max_mps = 1e-3"), "speed_max_mps: found 0.001"),
+        (with("delta_rate_max_radps = 1e-9"), "delta_rate_max_radps: found 0.000000001"),
+        (with("a_rate_max_mps3 = 1e-9"), "a_rate_max_mps3: found 0.000000001"),
+        (
+            with("actuator_lag_s = 50.0"),
+            "actuator_lag_s: found 50, expected at most 10; it is in s",
+        ),
+        (with("actuator_delay_s = 20.0"), "actuator_delay_s: found 20"),
+        (with("rolling = 0.5"), "rolling: found 0.5, expected less than what the engine gives"),
+        (with("linear_drag_per_s = 1e9"), "linear_drag_per_s: found 1000000000"),
+        (with("cd = 1e9\narea_m2 = 0.01\nrho_kgpm3 = 1.2"), "cd: found 1000000000"),
+        (with("cd = 1.0\narea_m2 = 100.0\nrho_kgpm3 = 1.2"), "area_m2: found 100"),
+        (with("cd = 1.0\narea_m2 = 0.01\nrho_kgpm3 = 1200.0"), "rho_kgpm3: found 1200"),
+        (
+            replaced("blend_speed_high_mps = 0.8", "blend_speed_high_mps = 1e6"),
+            "blend_speed_high_mps: found 1000000",
+        ),
+    ];
+    for (text, expected) in cases {
+        let message = CarParams::from_toml(&text).unwrap_err().to_string();
+        assert!(message.contains(expected), "expected '{expected}' in: {message}");
+        assert!(message.starts_with("car file: line "), "{message}");
+    }
+}
+
+#[test]
+fn the_sign_of_zero_is_no_part_of_a_car() {
+    let car = CarParams::from_toml(BARC).unwrap();
+    let negative = BARC.replace("drive_front = 0.0", "drive_front = -0.0");
+    assert_ne!(negative, BARC);
+    let negative = CarParams::from_toml(&negative).unwrap();
+    assert_eq!(negative.fingerprint(), car.fingerprint());
+    assert_eq!(negative.drive_front.to_bits(), 0.0_f64.to_bits());
+}
+
 #[test]
 fn damaged_files_say_what_is_wrong() {
     let cases = [

@@ -1,5 +1,6 @@
 //! From parameters to a controller.
 
+use bounded_file::Limit;
 use controller::config::RegressionMode;
 use controller::{Config, Controller, Preset};
 use vehicle_model::{CarParams, Track};
@@ -57,7 +58,7 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, CallError> {
     if !path.is_empty() {
         let named =
             |e: &dyn std::fmt::Display| failed(format!("param.learned_load = '{path}': {e}"));
-        let bytes = std::fs::read(path).map_err(|e| named(&e))?;
+        let bytes = bounded_file::bytes(path.as_ref(), Limit::RECORDING).map_err(|e| named(&e))?;
         controller.load(&bytes).map_err(|e| named(&e))?;
         io.log.event(format!("{} laps of learned data from {path}", controller.laps().len()));
     }

@@ -1,11 +1,13 @@
 //! Reading a log, damaged or not.
 
-use std::io::Read;
+use std::io::{self, Read};
 
 use super::{Event, HEADER, MAX_CHANNEL, MAX_MESSAGE, SYNC};
 use crate::Error;
 
 const CHUNK: usize = 64 << 10;
+/// Most bytes before the first event: what begins with more is no log, or a device without end. \[B\]
+const MOST_BEFORE: u64 = 256 << 20;
 
 /// What was skipped so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,6 +27,7 @@ pub struct EventReader<R> {
     start: usize,
     ended: bool,
     in_sync: bool,
+    any: bool,
     damage: Damage,
 }
 
@@ -40,7 +43,15 @@ impl<R: Read> EventReader<R> {
     /// Reads `input` from where it stands.
     pub fn new(input: R) -> Self {
         let damage = Damage::default();
-        Self { input, buffer: Vec::new(), start: 0, ended: false, in_sync: true, damage }
+        Self {
+            input,
+            buffer: Vec::new(),
+            start: 0,
+            ended: false,
+            in_sync: true,
+            any: false,
+            damage,
+        }
     }
 
     /// What was skipped so far.
@@ -52,7 +63,7 @@ impl<R: Read> EventReader<R> {
     /// The next whole event; `None` at the end.
     ///
     /// # Errors
-    /// [`Error::Io`] only.
+    /// [`Error::Io`] only: of the input, or of one that begins with 256 MiB without an event.
     pub fn next_event(&mut self) -> Result<Option<Event>, Error> {
         loop {
             if !self.fill(HEADER)? {
@@ -74,6 +85,7 @@ impl<R: Read> EventReader<R> {
             if let Some(event) = self.event(&header) {
                 self.start += size;
                 self.in_sync = true;
+                self.any = true;
                 return Ok(Some(event));
             }
             self.skip_to_sync(1)?;
@@ -168,6 +180,12 @@ impl<R: Read> EventReader<R> {
                 return Ok(());
             }
             self.skip(self.held().saturating_sub(sync.len() - 1));
+            if !self.any && self.damage.bytes > MOST_BEFORE {
+                let most = MOST_BEFORE >> 20;
+                let what =
+                    format!("no event in the first {most} MiB; expected an event log of LCM");
+                return Err(io::Error::new(io::ErrorKind::InvalidData, what).into());
+            }
             if !self.fill(sync.len())? {
                 self.skip(self.held());
                 return Ok(());

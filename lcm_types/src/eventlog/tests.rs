@@ -101,6 +101,13 @@ fn noise_between_events_is_skipped() {
     assert_eq!(damage.places, 10);
 }
 
+/// As `/dev/zero` is.
+#[test]
+fn what_has_no_end_and_no_event_is_no_log() {
+    let error = EventReader::new(std::io::repeat(0)).next_event().unwrap_err().to_string();
+    assert!(error.contains("no event in the first 256 MiB"), "{error}");
+}
+
 #[test]
 fn random_bytes_never_end_in_anything_but_none() {
     let mut rng = Pcg64::seed_from_u64(8);

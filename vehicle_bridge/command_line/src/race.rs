@@ -22,7 +22,7 @@ Examples:
   lmpc race --vehicle fmu:their_car.fmu --map map.toml";
 
 const PLANT_HELP: &str = "\
-Change the simulated car that the controller does not see, as NAME=VALUE,...:
+Change the simulated car that the controller does not see, as NAME=VALUE,..., each name once:
   mu=X        grip of both axles
   mu_f=X mu_r=X          grip of one axle
   mass=KG     mass
@@ -153,7 +153,7 @@ pub struct ControllerArgs {
     #[arg(long, value_name = "NAME=VALUE,..", value_delimiter = ',', long_help = PLANT_HELP,
           help = "Change the simulated car, e.g. mu=0.7,delay=0.1 (more with --help)")]
     pub plant: Vec<String>,
-    /// Set any key of the configuration; may be repeated
+    /// Set any key of the configuration; may be repeated, each key once
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub set: Vec<String>,
 }

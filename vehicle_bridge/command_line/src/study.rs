@@ -215,7 +215,7 @@ pub struct TracksStudyArgs {
     /// Named set of settings
     #[arg(long, value_enum, value_name = "NAME")]
     pub preset: Option<PresetName>,
-    /// Set any key of the configuration in every run; may be repeated
+    /// Set any key of the configuration in every run; may be repeated, each key once
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub set: Vec<String>,
     /// Grip the controllers believe in; by default as in `lmpc race`
@@ -275,7 +275,7 @@ pub struct PaperStudyArgs {
     /// Print the table as JSON
     #[arg(long)]
     pub json: bool,
-    /// Set any key of the configuration in every cell; may be repeated
+    /// Set any key of the configuration in every cell; may be repeated, each key once
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub set: Vec<String>,
 }

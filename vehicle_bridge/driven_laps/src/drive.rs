@@ -193,7 +193,8 @@ impl Stretch {
         steps: &mut Vec<DrivenStep>,
         steers: &mut Vec<Option<f64>>,
     ) {
-        let count = ((self.pose[0].end() - self.start) / period + 1e-6) as usize + 1;
+        // A last state that comes early by the rounding of its time is one of this period.
+        let count = ((self.pose[0].end() - self.start) / period + 1e-3) as usize + 1;
         let mut hint = None;
         for i in 0..count {
             let time = self.start + i as f64 * period;

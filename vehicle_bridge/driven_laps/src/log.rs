@@ -29,18 +29,30 @@ pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {shown}"))?;
     let mut events = EventReader::new(BufReader::new(file));
-    let mut recording = Recording::default();
+    let mut recording = Recording { rows: "messages", ..Recording::default() };
     let (mut clock, mut reports, mut commands) = (Clock::default(), Vec::new(), Vec::new());
     let mut seen: BTreeMap<String, u64> = BTreeMap::new();
+    // Either clock from its first time on: what counts from 1970 has no bits left for microseconds.
+    let (mut first_logged, mut first_measured, mut number) = (None, None, 0);
     while let Some(event) = events.next_event().with_context(|| format!("cannot read {shown}"))? {
-        let logged = event.utime as f64 * 1e-6;
+        let start = *first_logged.get_or_insert(event.utime);
+        let logged = event.utime.wrapping_sub(start) as f64 * 1e-6;
+        number += 1;
         *seen.entry(event.channel.clone()).or_default() += 1;
         let readable = match event.channel.as_str() {
             name if name == channel => VehicleState::open(&event.data).is_ok_and(|state| {
-                let time =
-                    if state.meas_mono_ns == 0 { logged } else { state.meas_mono_ns as f64 * 1e-9 };
+                let time = if state.meas_mono_ns == 0 {
+                    logged
+                } else {
+                    let start = *first_measured.get_or_insert(state.meas_mono_ns);
+                    state.meas_mono_ns.wrapping_sub(start) as f64 * 1e-9
+                };
                 clock.pairs.push((logged, time));
-                let recorded = recorded(&state, time);
+                let recorded = recorded(&state, time, number);
+                if recorded.is_some_and(|state| state.velocities.is_none() || state.steer.is_none())
+                {
+                    recording.lacks.push((number, "not marked as valid".into()));
+                }
                 recording.states.extend(recorded);
                 recorded.is_some()
             }),
@@ -56,7 +68,9 @@ pub(super) fn read(path: &Path, channel: &str) -> Result<Recording> {
             }),
             _ => true,
         };
-        recording.unusable += u64::from(!readable);
+        if !readable {
+            recording.left_out.add(number, "no message that can be read");
+        }
     }
     if recording.states.is_empty() {
         let names: Vec<String> = seen.iter().map(|(name, n)| format!("{name} ({n})")).collect();
@@ -136,7 +150,7 @@ pub(super) fn until_then(reports: Vec<(f64, Input)>) -> Vec<(f64, Input)> {
     inputs
 }
 
-fn recorded(state: &VehicleState, time: f64) -> Option<Recorded> {
+fn recorded(state: &VehicleState, time: f64, row: u64) -> Option<Recorded> {
     let has = |bit| state.valid & bit != 0;
     let pose = if has(VehicleState::POSE) {
         let (x, y, psi) = (state.x, state.y, state.yaw);
@@ -149,5 +163,5 @@ fn recorded(state: &VehicleState, time: f64) -> Option<Recorded> {
     };
     let velocities = has(VehicleState::VEL).then_some([state.vx, state.vy, state.yaw_rate]);
     let steer = has(VehicleState::STEER).then_some(state.steer);
-    Some(Recorded { time, pose, velocities, steer })
+    Some(Recorded { time, row, pose, velocities, steer })
 }

@@ -16,12 +16,16 @@ impl Signal {
     /// Of samples at increasing times, smoothed if `smoothing`.
     pub(super) fn new(times: &[f64], samples: &[f64], interval: f64, smoothing: bool) -> Self {
         let (start, end) = (times[0], times[times.len() - 1]);
-        let count = ((end - start) / interval + 1e-6) as usize + 1;
-        let even = count == times.len()
-            && times
-                .iter()
-                .enumerate()
-                .all(|(i, t)| (t - start - i as f64 * interval).abs() < 0.02 * interval);
+        let count = |interval: f64| ((end - start) / interval + 1e-6) as usize + 1;
+        let is_even = |interval: f64| {
+            let at = |i: usize| start + i as f64 * interval;
+            let near = |(i, t): (usize, &f64)| (t - at(i)).abs() < 0.02 * interval;
+            count(interval) == times.len() && times.iter().enumerate().all(near)
+        };
+        // An interval of rounded times is off by their rounding, which adds up; their mean is not.
+        let mean = (end - start) / (times.len() - 1).max(1) as f64;
+        let interval = if !is_even(interval) && is_even(mean) { mean } else { interval };
+        let (even, count) = (is_even(interval), count(interval));
         let on_grid = if even {
             samples.to_vec()
         } else {

@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use controller::Pose;
+use csv::StringRecord;
 use lcm_types::VehicleState;
 use vehicle_model::{GlobalState, Input, State};
 
+use super::clock::ClockStart;
 use super::log::until_then;
 use super::{Recorded, Recording};
 
@@ -65,43 +68,75 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         );
     };
     let velocities = [find(V_X), find(V_Y), find(OMEGA_Z)];
-    let (valid, steer) = (find(VALID), find(STEER));
-    let mut recording = Recording::default();
+    let (valid, steer, inputs) = (find(VALID), find(STEER), [find(A), find(DELTA)]);
+    let place = if global.iter().all(Option::is_some) { global } else { frenet };
+    let start = table.start(time);
+    let mut recording = Recording { rows: "lines", ..Recording::default() };
     for row in 0..table.rows.len() {
+        let line = table.line(row);
         let bits = valid.and_then(|column| table.number(row, column));
         let has = |bit: i32| bits.is_none_or(|bits| bits as i64 & i64::from(bit) != 0);
         let at = |column: Option<usize>| table.number(row, column?);
-        let (Some(time), Some(pose)) =
-            (table.seconds(row, time), pose(row).filter(|_| has(VehicleState::POSE)))
-        else {
-            recording.unusable += 1;
+        let fault = |columns: &[Option<usize>]| match table.empty(row, columns) {
+            Some(name) => format!("no number in {name}"),
+            None => "not marked as valid".to_owned(),
+        };
+        let (Some(time), Some(pose)) = (
+            start.and_then(|start| start.seconds(table.text(row, time.0)?, time.1)),
+            pose(row).filter(|_| has(VehicleState::POSE)),
+        ) else {
+            let [x, y, angle] = place;
+            recording.left_out.add(line, &fault(&[Some(time.0), x, y, angle]));
             continue;
         };
-        let velocities = match velocities.map(at) {
+        let measured = match velocities.map(at) {
             [Some(v_x), Some(v_y), Some(omega_z)] if has(VehicleState::VEL) => {
                 Some([v_x, v_y, omega_z])
             }
             _ => None,
         };
-        let steer = at(steer).filter(|_| has(VehicleState::STEER));
-        recording.states.push(Recorded { time, pose, velocities, steer });
-        if let (Some(a), Some(delta)) = (at(find(A)), at(find(DELTA))) {
-            recording.inputs.push((time, Input { a, delta }));
+        let steering = at(steer).filter(|_| has(VehicleState::STEER));
+        let all = velocities.iter().all(Option::is_some);
+        for (lacks, columns) in [
+            (all && measured.is_none(), &velocities[..]),
+            (steer.is_some() && steering.is_none(), &[steer]),
+        ] {
+            if lacks {
+                recording.lacks.push((line, fault(columns).into()));
+            }
+        }
+        recording.states.push(Recorded {
+            time,
+            row: line,
+            pose,
+            velocities: measured,
+            steer: steering,
+        });
+        match inputs.map(at) {
+            [Some(a), Some(delta)] => recording.inputs.push((time, Input { a, delta })),
+            _ if inputs.iter().all(Option::is_some) => {
+                recording.inputs_left_out.add(line, &fault(&inputs));
+            }
+            _ => {}
         }
     }
     if recording.states.is_empty() {
-        bail!("{shown}: none of {} rows holds a state", table.rows.len());
+        bail!(
+            "{shown}: none of {} rows holds a state; left out were lines {}",
+            table.rows.len(),
+            recording.left_out
+        );
     }
     let reports = path.with_file_name(REPORTS);
     if recording.inputs.is_empty() && reports.exists() && find(VALID).is_some() {
-        recording.inputs = applied(&reports)?;
+        recording.inputs = applied(&reports, start)?;
         recording.applied = true;
     }
     Ok(recording)
 }
 
 /// The reports beside an exported channel of states.
-fn applied(path: &Path) -> Result<Vec<(f64, Input)>> {
+fn applied(path: &Path, start: Option<ClockStart>) -> Result<Vec<(f64, Input)>> {
     let table = Table::open(path)?;
     let columns = (table.time(), table.column(&["accel"]), table.column(STEER));
     let (Some(time), Some(a), Some(delta)) = columns else {
@@ -109,15 +144,27 @@ fn applied(path: &Path) -> Result<Vec<(f64, Input)>> {
     };
     let row = |row| {
         let (a, delta) = (table.number(row, a)?, table.number(row, delta)?);
-        Some((table.seconds(row, time)?, Input { a, delta }))
+        Some((start?.seconds(table.text(row, time.0)?, time.1)?, Input { a, delta }))
     };
     Ok(until_then((0..table.rows.len()).filter_map(row).collect()))
+}
+
+/// A row in whose numbers a comma is the decimal point.
+fn with_points(row: StringRecord) -> StringRecord {
+    if !row.iter().any(|word| word.contains(',')) {
+        return row;
+    }
+    let point =
+        |word: &str| if word.contains('.') { word.to_owned() } else { word.replacen(',', ".", 1) };
+    let mut with: StringRecord = row.iter().map(point).collect();
+    with.set_position(row.position().cloned());
+    with
 }
 
 /// Rows of text under a header.
 struct Table {
     header: Vec<String>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<StringRecord>,
 }
 
 /// A column of time and its unit \[s\].
@@ -126,7 +173,7 @@ type Clock = (usize, f64);
 impl Table {
     fn open(path: &Path) -> Result<Self> {
         let shown = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+        let text = bounded_file::text(path, Limit::RECORDING)?;
         let first = text.lines().next().unwrap_or_default();
         let delimiter = [',', ';', '\t']
             .into_iter()
@@ -150,9 +197,9 @@ impl Table {
             }
         };
         let header = header.iter().map(name).collect();
-        let rows = reader.records().map(|row| row.map(|r| r.iter().map(str::to_owned).collect()));
-        let rows =
-            rows.collect::<Result<_, _>>().with_context(|| format!("cannot read {shown}"))?;
+        let decimal = |row: StringRecord| if delimiter == b',' { row } else { with_points(row) };
+        let rows = reader.records().map(|row| row.map(decimal)).collect::<Result<_, _>>();
+        let rows = rows.with_context(|| format!("cannot read {shown}"))?;
         Ok(Self { header, rows })
     }
 
@@ -166,11 +213,29 @@ impl Table {
         own.map(|column| (column, 1e-9)).or_else(|| Some((self.column(TIME)?, 1.0)))
     }
 
-    fn seconds(&self, row: usize, clock: Clock) -> Option<f64> {
-        Some(self.number(row, clock.0)? * clock.1)
+    /// Where the clock starts: with the first row that has a time.
+    fn start(&self, clock: Clock) -> Option<ClockStart> {
+        let mut rows = 0..self.rows.len();
+        rows.find_map(|row| ClockStart::of(self.text(row, clock.0)?, clock.1))
+    }
+
+    /// Line of a row in the file, from 1.
+    fn line(&self, row: usize) -> u64 {
+        self.rows[row].position().map_or(0, csv::Position::line)
+    }
+
+    fn text(&self, row: usize, column: usize) -> Option<&str> {
+        self.rows[row].get(column)
     }
 
     fn number(&self, row: usize, column: usize) -> Option<f64> {
-        self.rows[row].get(column)?.parse().ok().filter(|v: &f64| v.is_finite())
+        self.text(row, column)?.parse().ok().filter(|v: &f64| v.is_finite())
+    }
+
+    /// The name of the first of these columns that there is without a number in this row.
+    fn empty(&self, row: usize, columns: &[Option<usize>]) -> Option<&str> {
+        let mut there = columns.iter().flatten();
+        let column = there.find(|column| self.number(row, **column).is_none())?;
+        Some(&self.header[*column])
     }
 }

@@ -5,10 +5,9 @@ mod kinds;
 mod source;
 
 use std::fmt;
-use std::fs;
-use std::io::Read as _;
 use std::path::Path;
 
+use bounded_file::Limit;
 use serde::Serialize;
 use vehicle_model::CarParams;
 
@@ -90,9 +89,6 @@ pub struct CheckedFile {
     pub problems: Vec<FileProblem>,
 }
 
-/// Longest file that is read; a map of a long circuit takes a few MiB. \[B\]
-const LONGEST: usize = 64 << 20;
-
 /// Checks a file.
 #[must_use]
 pub fn check_file(path: &Path) -> CheckedFile {
@@ -103,23 +99,9 @@ pub fn check_file(path: &Path) -> CheckedFile {
         facts: Vec::new(),
         problems: vec![FileProblem { line: None, column: None, message }],
     };
-    let mut bytes = Vec::new();
-    let read =
-        fs::File::open(path).and_then(|file| file.take(LONGEST as u64 + 1).read_to_end(&mut bytes));
-    if let Err(error) = read {
-        return unreadable(format!("cannot be read: {error}"));
-    }
-    if bytes.len() > LONGEST {
-        let most = LONGEST >> 20;
-        return unreadable(format!("is longer than {most} MiB: no file of settings is"));
-    }
-    match String::from_utf8(bytes) {
+    match bounded_file::text(path, Limit::SETTINGS) {
         Ok(text) => check_text(&file, &text),
-        Err(error) => {
-            let byte = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..byte].iter().filter(|&&b| b == b'\n').count() + 1;
-            unreadable(format!("is no text: line {line} has a byte that is not UTF-8"))
-        }
+        Err(error) => unreadable(error.to_string()),
     }
 }
 

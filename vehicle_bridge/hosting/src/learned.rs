@@ -1,12 +1,12 @@
 //! Learned data on disk. A save never destroys the previous one.
 
-use std::fs;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
 pub use atomic_file::backup;
 use atomic_file::replace;
+use bounded_file::Limit;
 use controller::{Controller, Learned};
 
 /// Loads learned data into a controller.
@@ -14,7 +14,7 @@ use controller::{Controller, Learned};
 /// # Errors
 /// If the file cannot be read, is damaged, or belongs to another car, track or configuration.
 pub fn load(path: &Path, controller: &mut Controller) -> Result<()> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = bounded_file::bytes(path, Limit::RECORDING)?;
     let previous = backup(path);
     let hint = if previous.exists() {
         format!("; the file before it is {}", previous.display())

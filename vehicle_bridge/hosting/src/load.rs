@@ -1,10 +1,10 @@
 //! Cars and tracks by the name of one that ships with the product, or from a file.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use vehicle_model::track::{Change, ImportOptions};
 use vehicle_model::{CarParams, Track};
 
@@ -65,8 +65,7 @@ fn text_of(what: &str, name: &str, builtin: &[&str]) -> Result<String> {
             builtin.join(", ")
         );
     }
-    let bytes = fs::read(path).with_context(|| format!("cannot read {name}"))?;
-    String::from_utf8(bytes).with_context(|| format!("{name} is no text in UTF-8; save it as that"))
+    Ok(bounded_file::text(path, Limit::SETTINGS)?)
 }
 
 fn hint(name: &str) -> String {

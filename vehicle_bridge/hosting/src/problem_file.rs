@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use bounded_file::Limit;
 use controller::Affine;
 use controller::fhocp::{Fhocp, SlipRow};
 use nalgebra::{Matrix6, Matrix6x2, Vector2, Vector6};
@@ -28,6 +29,9 @@ pub enum ProblemError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] bounded_file::ReadError),
     /// The file is not of this format.
     #[error(
         "{path} is no problem of the format {FORMAT}: {reason}; `lmpc bench --dump-qp DIR` writes some"
@@ -252,8 +256,7 @@ pub fn write(path: &Path, problem: &Fhocp) -> Result<(), ProblemError> {
 /// # Errors
 /// If the file cannot be read or is not of the format.
 pub fn read(path: &Path) -> Result<Fhocp, ProblemError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ProblemError::File { path: path.to_owned(), source })?;
+    let text = bounded_file::text(path, Limit::SETTINGS)?;
     let document: Result<Document, _> = serde_json::from_str(&text);
     let problem = document.map_err(|e| e.to_string()).and_then(Document::problem);
     problem.map_err(|reason| ProblemError::Format { path: path.to_owned(), reason })

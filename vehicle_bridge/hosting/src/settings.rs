@@ -2,10 +2,10 @@
 //! keys from the command line.
 
 use std::fmt;
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use bounded_file::Limit;
 use controller::config::SECTIONS;
 use controller::config::keys::{ConfigKey, ConfigValue, Derivation};
 use controller::{Config, Preset};
@@ -69,8 +69,7 @@ impl Layers {
     /// # Errors
     /// If it cannot be read, or has a key or value that is not allowed.
     pub fn file(&mut self, path: &Path) -> Result<()> {
-        let text =
-            fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = bounded_file::text(path, Limit::SETTINGS)?;
         let name = path.display().to_string();
         self.text(&text, SettingOrigin::File(name.clone())).context(name)
     }
@@ -105,6 +104,24 @@ impl Layers {
         let quoted = format!("{key} = {value:?}");
         let text = if toml::from_str::<Table>(&text).is_ok() { text } else { quoted };
         self.text(&text, SettingOrigin::CommandLine).map_err(|e| usage(e.to_string()).into())
+    }
+
+    /// Lays the assignments of one command line over what there is, each key once.
+    ///
+    /// # Errors
+    /// [`Usage`] for a key that is given twice, and those of [`Self::set`].
+    pub fn set_each(&mut self, assignments: &[String]) -> Result<()> {
+        let key = |text: &str| text.split_once('=').map(|(key, _)| key.trim().to_owned());
+        for (i, assignment) in assignments.iter().enumerate() {
+            let same =
+                |earlier: &&String| key(earlier).is_some() && key(earlier) == key(assignment);
+            if let Some(earlier) = assignments[..i].iter().find(same) {
+                let why = format!("found {earlier} before it; expected each key once");
+                return Err(Usage(format!("--set {assignment}: {why}")).into());
+            }
+            self.set(assignment)?;
+        }
+        Ok(())
     }
 
     /// Sets one key of a section.
@@ -227,6 +244,20 @@ mod tests {
                 _ => {}
             }
         }
+    }
+
+    #[test]
+    fn a_command_line_gives_each_key_once() {
+        let each = |keys: &[&str]| {
+            let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
+            Layers::default()
+                .set_each(&keys)
+                .map_err(|error| (error.is::<Usage>(), error.to_string()))
+        };
+        each(&["horizon.steps=11", "horizon.substeps=7"]).unwrap();
+        let (usage, text) = each(&["horizon.steps=11", "horizon.steps = 9"]).unwrap_err();
+        assert!(usage && text.contains("found horizon.steps=11 before it"), "{text}");
+        assert!(text.contains("--set horizon.steps = 9"), "{text}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
+use bounded_file::Limit;
 use optimum::Optimum;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, Track, fingerprint};
@@ -80,7 +81,7 @@ impl OptimumStore {
     #[must_use]
     pub fn find(&self, car: &CarParams, track: &Track, margin: f64) -> Option<Known> {
         let wanted = key(car, track, margin);
-        let kept = fs::read_to_string(self.path(&wanted)).ok();
+        let kept = bounded_file::text(&self.path(&wanted), Limit::SETTINGS).ok();
         let texts = kept.iter().map(String::as_str).chain(SHIPPED);
         texts
             .filter_map(|text| toml::from_str::<Known>(text).ok())

@@ -4,6 +4,7 @@
 
 pub mod columns;
 pub mod files;
+mod initial_lap;
 mod parts;
 mod plant;
 pub mod raceline;
@@ -23,8 +24,9 @@ use vehicle_model::{
 };
 
 pub use hosting::rule::{Edges, FailureRule, TrackLimit};
+pub use initial_lap::{LeavesTrack, initial_lap};
 pub use parts::{Parts, SMALL_CAR, nominal};
-pub use plant::change_plant;
+pub use plant::{change_plant, overlay_changes};
 
 use hosting::rule::FailureReason;
 use hosting::timing::{StepTime, Stopwatch};

@@ -17,15 +17,16 @@ const VELOCITY_NOISE: f64 = 10.0;
 /// Disturbance of the yaw rate for one of the velocities [rad/m].
 const YAW_DISTURBANCE: f64 = 2.5;
 
-/// Applies changes given as `name=value`.
+/// Applies changes given as `name=value`, in their order.
 ///
 /// # Errors
-/// [`Usage`] for an unknown name or a value that makes no car.
+/// [`Usage`] for an unknown name, a change that undoes an earlier one, or a value that makes no car.
 pub fn change_plant(plant: &mut PlantParams, changes: &[String]) -> Result<(), Usage> {
-    for change in changes {
+    for (i, change) in changes.iter().enumerate() {
         let usage = |why: String| Usage(format!("--plant {change}: {why}"));
         let (name, value) =
             change.split_once('=').ok_or_else(|| usage("expected NAME=VALUE".to_owned()))?;
+        not_undone(&changes[..i], change)?;
         let value = value.trim();
         let number: f64 =
             value.parse().map_err(|_| usage(format!("found `{value}`, expected a number")))?;
@@ -35,6 +36,42 @@ pub fn change_plant(plant: &mut PlantParams, changes: &[String]) -> Result<(), U
         }
     }
     Ok(())
+}
+
+/// Lays changes over others, which they undo.
+///
+/// # Errors
+/// [`Usage`] if one of them undoes another of them.
+pub fn overlay_changes(below: &mut Vec<String>, above: &[String]) -> Result<(), Usage> {
+    for (i, change) in above.iter().enumerate() {
+        not_undone(&above[..i], change)?;
+        below.retain(|earlier| !undoes(change, earlier));
+        below.push(change.clone());
+    }
+    Ok(())
+}
+
+/// Refuses a change that undoes an earlier one.
+fn not_undone(earlier: &[String], change: &str) -> Result<(), Usage> {
+    let Some(earlier) = earlier.iter().find(|earlier| undoes(change, earlier)) else {
+        return Ok(());
+    };
+    let why = if name_of(earlier) == name_of(change) {
+        "expected each name once"
+    } else {
+        "mu is that of both axles, expected it before that of one"
+    };
+    Err(Usage(format!("--plant {change}: found {earlier} before it; {why}")))
+}
+
+fn name_of(change: &str) -> &str {
+    change.split_once('=').map_or(change, |(name, _)| name).trim()
+}
+
+/// Whether nothing of an earlier change is left after another.
+fn undoes(change: &str, earlier: &str) -> bool {
+    let (name, before) = (name_of(change), name_of(earlier));
+    name == before || name == "mu" && ["mu_f", "mu_r"].contains(&before)
 }
 
 fn set(plant: &mut PlantParams, name: &str, value: f64) -> Result<(), String> {
@@ -100,6 +137,26 @@ mod tests {
             let plant = changed(&[&format!("{name}=0.5")]).unwrap();
             assert_ne!(plant, changed(&[]).unwrap(), "{name} changes nothing");
         }
+    }
+
+    #[test]
+    fn a_change_that_undoes_an_earlier_one_is_refused_and_laid_over_it_takes_its_place() {
+        for (changes, reason) in [
+            (
+                ["noise=0.001", "noise=0.002"],
+                "found noise=0.001 before it; expected each name once",
+            ),
+            (["mass=3", " mass = 3"], "expected each name once"),
+            (["mu_f=0.6", "mu=0.7"], "found mu_f=0.6 before it; mu is that of both axles"),
+        ] {
+            let text = changed(&changes).unwrap_err().to_string();
+            assert!(text.contains(reason) && text.contains(changes[1]), "{text}");
+            let mut laid = vec![changes[0].to_owned()];
+            overlay_changes(&mut laid, &[changes[1].to_owned()]).unwrap();
+            assert_eq!(laid, [changes[1]]);
+        }
+        let both = changed(&["mu=0.7", "mu_f=0.6"]).unwrap().car;
+        assert_eq!((both.tyre_front.mu, both.tyre_rear.mu), (0.6, 0.7));
     }
 
     #[test]

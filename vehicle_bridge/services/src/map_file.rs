@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use lcm_types::schema::Schema;
 
 use mapping::{MapFile, MapProblem, Mapping};
@@ -14,7 +15,7 @@ use mapping::{MapFile, MapProblem, Mapping};
 /// Everything that is wrong, in words.
 pub fn load(path: &Path) -> Result<Mapping> {
     let shown = path.display();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+    let text = bounded_file::text(path, Limit::SETTINGS)?;
     let file: MapFile = toml::from_str(&text).with_context(|| shown.to_string())?;
     match resolve(path, &file, &text) {
         Ok(mapping) => Ok(mapping),

@@ -1,10 +1,10 @@
 //! `lmpc check`.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
+use bounded_file::Limit;
 use serde::Serialize;
 use serde_json::Value as Json;
 use vehicle_model::{CarParams, Track};
@@ -67,7 +67,8 @@ fn report(path: &Path, args: &CheckArgs) -> Result<CheckReport> {
     let mut layers = Layers::default();
     let (name, car) = match (report.checked.kind, args.car.as_deref()) {
         (FileKind::Car, _) => {
-            (path.display().to_string(), CarParams::from_toml(&fs::read_to_string(path)?)?)
+            let text = bounded_file::text(path, Limit::SETTINGS)?;
+            (path.display().to_string(), CarParams::from_toml(&text)?)
         }
         (FileKind::Configuration, name) => {
             layers.file(path)?;

@@ -28,6 +28,22 @@ pub(super) fn file(path: &Path) -> Result<()> {
         .with_context(|| format!("cannot save {}", path.display()))
 }
 
+/// Refuses to write over the file that is read.
+///
+/// # Errors
+/// If both names are those of one file.
+pub(super) fn other_than(read: &Path, written: &Path) -> Result<()> {
+    let same =
+        read.canonicalize().is_ok_and(|read| written.canonicalize().is_ok_and(|w| w == read));
+    if same && written.is_file() {
+        bail!(
+            "{} is the file that is read, expected another to write; give it another name",
+            written.display()
+        );
+    }
+    Ok(())
+}
+
 fn writable(folder: &Path) -> Result<()> {
     let probe = folder.join(format!(".lmpc-{}", std::process::id()));
     fs::write(&probe, b"?")

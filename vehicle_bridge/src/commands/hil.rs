@@ -6,6 +6,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use comfy_table::{Table, presets};
 
 use super::network::on_signal;
@@ -128,8 +129,7 @@ fn options(args: &HilRunArgs) -> String {
 }
 
 fn load(args: &HilRunArgs) -> Result<Bench> {
-    let text = std::fs::read_to_string(&args.bench)
-        .with_context(|| format!("cannot read {}", args.bench.display()))?;
+    let text = bounded_file::text(&args.bench, Limit::SETTINGS)?;
     let checked = check_file(&args.bench);
     if let Some(first) = checked.problems.first() {
         bail!("{}: {first}; `lmpc check {}` names all", checked.file, checked.file);

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use controller::Controller;
-use driven_laps::{LapAccount, Recording, ResampledDrive};
+use driven_laps::{LapAccount, LeftOut, Recording, ResampledDrive};
 use hosting::learned;
 use serde_json::json;
 use vehicle_model::Track;
@@ -19,6 +19,7 @@ pub(super) fn run(args: &LearnArgs, talk: Talk) -> Result<Outcome> {
     let options = setup::race(&args.controller, 1, talk)?;
     let (config, car, track) = (options.config, options.nominal, options.track);
     folders::file(&args.out)?;
+    folders::other_than(&args.file, &args.out)?;
     let recording = driven_laps::read(&args.file, &args.channel)?;
     let driven = driven_laps::drive(
         &recording,
@@ -110,8 +111,10 @@ fn origin(recording: &Recording, driven: &ResampledDrive) -> String {
     if driven.differentiated {
         text += "; velocities are derivatives of the places";
     }
-    if recording.unusable > 0 {
-        text += &format!("; {} states could not be used", recording.unusable);
+    for (what, left) in [("", &recording.left_out), ("inputs of ", &recording.inputs_left_out)] {
+        if left.count() > 0 {
+            text += &format!("; left out {what}{} {left}", recording.rows);
+        }
     }
     text
 }
@@ -143,6 +146,11 @@ fn best(driven: &ResampledDrive) -> Option<f64> {
     driven.laps.iter().filter(|lap| lap.fit()).map(|lap| lap.lap_time).min_by(f64::total_cmp)
 }
 
+/// Each reason with the first and the last row of its stretches.
+fn left_out(left: &LeftOut) -> serde_json::Value {
+    left.reasons().map(|(reason, rows)| json!({ "reason": reason, "rows": rows })).collect()
+}
+
 fn summary(
     args: &LearnArgs,
     recording: &Recording,
@@ -159,7 +167,9 @@ fn summary(
     };
     json!({
         "states": recording.states.len(),
-        "unusable": recording.unusable,
+        "unusable": recording.left_out.count(),
+        "left_out": left_out(&recording.left_out),
+        "inputs_left_out": left_out(&recording.inputs_left_out),
         "interval_s": driven.interval,
         "stretches": driven.stretches,
         "inputs": driven.inputs,

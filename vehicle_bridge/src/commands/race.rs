@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use bounded_file::Limit;
 use controller::Response;
 use serde_json::json;
 
@@ -14,7 +15,7 @@ use optimum_store::{Known, OptimumStore};
 use racing::raceline::{self, Raceline};
 use racing::record::{Failure, StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
-use racing::{Race, RaceOptions, files};
+use racing::{Race, RaceOptions, TrackLimit, files};
 use report::{Report, best_lap};
 use terminal::lap_table::{LapTable, head};
 use terminal::{BAD, BEST, SOFT, Talk, WARN, paint, result};
@@ -23,6 +24,10 @@ use terminal::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut options = setup::race(&args.controller, args.laps, talk)?;
     options.limit = args.limit.limit(&options.config);
+    if args.load.is_none() && options.limit == TrackLimit::Body {
+        let parts = (&options.config, &options.nominal, &*options.track);
+        setup::initial_laps(&args.controller, parts)?;
+    }
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
     let raceline = given_line(args)?;
@@ -171,7 +176,7 @@ fn learned_line(race: &Race, options: &RaceOptions) -> Option<String> {
 pub(super) fn given_line(args: &RaceArgs) -> Result<Option<Raceline>> {
     let Some(path) = &args.raceline else { return Ok(None) };
     let shown = path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+    let text = bounded_file::text(path, Limit::SETTINGS)?;
     let line = raceline::read(&shown, &text);
     Ok(Some(line.with_context(|| format!("{shown} is no raceline"))?))
 }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
+use controller::Config;
 use vehicle_model::{CarParams, Track, TrackError};
 
 use command_line::ControllerArgs;
@@ -37,6 +38,15 @@ pub(super) fn race(args: &ControllerArgs, laps: u32, talk: Talk) -> Result<RaceO
     assemble(args, car, track, laps)
 }
 
+/// Refuses a track whose edges the car crosses on the laps along the centre line, before learning.
+pub(super) fn initial_laps(
+    args: &ControllerArgs,
+    (config, car, track): (&Config, &CarParams, &Track),
+) -> Result<()> {
+    racing::initial_lap(config, car, track)
+        .with_context(|| format!("{} on {}", args.car, args.track))
+}
+
 /// That race with a car and a track that are loaded already; of both, `args` has the names.
 pub(super) fn assemble(
     args: &ControllerArgs,
@@ -58,25 +68,16 @@ pub(super) fn layers(args: &ControllerArgs) -> Result<Layers> {
     if let Some(preset) = args.preset {
         layers.preset(word(preset).as_str());
     }
-    if let Some(mode) = args.regression {
-        layers.insert("regression", "mode", word(mode));
-    }
-    if let Some(model) = args.nominal {
-        layers.insert("nominal", "model", word(model));
-    }
-    // As options like any other key, so that a wrong value is the command line's fault.
-    if let Some(h) = args.bandwidth {
-        layers.set(&format!("regression.bandwidth={h:?}"))?;
-    }
-    if let Some(cost) = args.control_rate_cost {
-        layers.set(&format!("cost.control_rate={cost:?}"))?;
-    }
-    if args.no_grip_adaptation {
-        layers.insert("nominal", "adapt_grip", false);
-    }
-    for assignment in &args.set {
-        layers.set(assignment)?;
-    }
+    // An option of its own is one more assignment: a wrong value is the command line's fault.
+    let own = [
+        args.regression.map(|mode| format!("regression.mode={}", word(mode))),
+        args.nominal.map(|model| format!("nominal.model={}", word(model))),
+        args.bandwidth.map(|h| format!("regression.bandwidth={h:?}")),
+        args.control_rate_cost.map(|cost| format!("cost.control_rate={cost:?}")),
+        args.no_grip_adaptation.then(|| "nominal.adapt_grip=false".to_owned()),
+    ];
+    let all: Vec<String> = own.into_iter().flatten().chain(args.set.iter().cloned()).collect();
+    layers.set_each(&all)?;
     Ok(layers)
 }
 

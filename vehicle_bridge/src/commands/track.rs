@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use vehicle_model::Track;
 use vehicle_model::track::{ImportOptions, Imported, random};
 
-use super::Outcome;
+use super::{Outcome, folders};
 use command_line::{ConvertArgs, ImportArgs, RandomArgs, ShowArgs, TrackAction, TrackArgs};
 use hosting::load;
 use terminal::{BAD, paint, result};
@@ -60,6 +60,7 @@ fn print(imported: &Imported) -> Result<()> {
 }
 
 fn show(args: &ShowArgs) -> Result<Outcome> {
+    args.out.as_deref().map_or(Ok(()), |out| folders::other_than(args.file.as_ref(), out))?;
     let imported = import(&args.file, &args.import)?;
     print(&imported)?;
     let problems = match &args.car {
@@ -77,6 +78,7 @@ fn show(args: &ShowArgs) -> Result<Outcome> {
 }
 
 fn convert(args: &ConvertArgs) -> Result<Outcome> {
+    folders::other_than(args.file.as_ref(), &args.out)?;
     let imported = import(&args.file, &args.import)?;
     print(&imported)?;
     fs::write(&args.out, imported.to_toml())

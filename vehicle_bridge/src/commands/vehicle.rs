@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use vehicle_model::{GRAVITY, State};
 
 use super::Outcome;
@@ -50,8 +51,7 @@ pub(super) fn fmu(
     }
     let map = match &args.map {
         Some(path) => {
-            let text = fs::read_to_string(path)
-                .with_context(|| format!("cannot read {}", path.display()))?;
+            let text = bounded_file::text(path, Limit::SETTINGS)?;
             let shown = path.display();
             let map = Map::from_toml(&text);
             Some(
@@ -83,7 +83,7 @@ pub(super) fn inspect(args: &InspectVehicleArgs) -> Result<Outcome> {
 /// Drives a vehicle FMU in small steps and says what its map has wrong.
 pub(super) fn try_out(args: &TryVehicleArgs) -> Result<Outcome> {
     let shown = args.map.display();
-    let text = fs::read_to_string(&args.map).with_context(|| format!("cannot read {shown}"))?;
+    let text = bounded_file::text(&args.map, Limit::SETTINGS)?;
     let map = Map::from_toml(&text)
         .with_context(|| format!("{shown} (`lmpc check {shown}` lists every problem)"))?;
     let (car, track) = (load::car(&args.car)?, load::track(&args.track)?);

@@ -5,10 +5,11 @@
 //! this version cannot read it must not overwrite.
 
 use std::fs::{self, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use csv::{ErrorKind as Fault, StringRecord};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -48,10 +49,10 @@ pub(super) fn head(path: &Path) -> Result<Option<StringRecord>> {
 
 /// The bytes of a file, if there is one.
 fn bytes(path: &Path) -> Result<Option<Vec<u8>>> {
-    match fs::read(path) {
+    match bounded_file::bytes(path, Limit::RUNS) {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error).context(format!("cannot read {}", path.display())),
+        Err(error) if error.is_missing() => Ok(None),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -153,9 +153,7 @@ impl Definition {
         layers.insert("regression", "mode", regression);
         layers.insert("regression", "bandwidth", bandwidth);
         layers.insert("cost", "control_rate", control_rate_cost);
-        for assignment in set {
-            layers.set(assignment)?;
-        }
+        layers.set_each(set)?;
         let config = layers.build()?;
         let nominal = model_word(config.nominal.model);
         let cell = Cell {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tyre_file::TyreFile;
-use super::{CarParams, GRAVITY};
+use super::{CAR_KEYS, CarParams, GRAVITY};
 use crate::error::ModelError;
 
 /// The keys of a car file; `CarParams` holds their meaning.
@@ -103,7 +103,13 @@ impl CarParams {
     /// key; the message shows the line), [`ModelError::CarInvalid`] with every value out of range.
     pub fn from_toml(text: &str) -> Result<Self, ModelError> {
         let file: CarFile = toml::from_str(text).map_err(ModelError::CarSyntax)?;
-        let (car, mut problems) = file.into_params();
+        let (mut car, mut problems) = file.into_params();
+        // -0 is 0: cars that differ in no more than that have one fingerprint.
+        for key in CAR_KEYS {
+            if (key.get)(&car) == Some(0.0) {
+                (key.set)(&mut car, Some(0.0));
+            }
+        }
         problems.extend(car.validate());
         if problems.is_empty() {
             problems.extend(super::units::mistakes(&car));

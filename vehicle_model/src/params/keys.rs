@@ -19,11 +19,15 @@ pub enum CarRange {
     Negative,
     /// From 0 to 1.
     Share,
-    /// Above 0 and below pi/2.
+    /// Above 0 and at most [`CarRange::MOST_STEERING`].
     Steering,
 }
 
 impl CarRange {
+    /// Largest steering stop: the wheels of real cars turn by up to 1.07, and the model's forces grow
+    /// without bound towards pi/2 \[rad\].
+    pub const MOST_STEERING: f64 = 1.2;
+
     /// Whether a finite value lies inside.
     #[must_use]
     pub fn holds(self, value: f64) -> bool {
@@ -33,7 +37,7 @@ impl CarRange {
                 Self::NotNegative => value >= 0.0,
                 Self::Negative => value < 0.0,
                 Self::Share => (0.0..=1.0).contains(&value),
-                Self::Steering => value > 0.0 && value < std::f64::consts::FRAC_PI_2,
+                Self::Steering => value > 0.0 && value <= Self::MOST_STEERING,
             }
     }
 
@@ -45,7 +49,7 @@ impl CarRange {
             Self::NotNegative => "a number of 0 or above",
             Self::Negative => "a number below 0",
             Self::Share => "a share between 0 and 1",
-            Self::Steering => "an angle above 0 and below pi/2",
+            Self::Steering => "an angle of the wheels above 0 and at most 1.2 rad (69 degrees)",
         }
     }
 
@@ -57,7 +61,7 @@ impl CarRange {
             Self::NotNegative => "[0, inf)",
             Self::Negative => "(-inf, 0)",
             Self::Share => "[0, 1]",
-            Self::Steering => "(0, pi/2)",
+            Self::Steering => "(0, 1.2]",
         }
     }
 }

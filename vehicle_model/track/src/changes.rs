@@ -79,6 +79,13 @@ pub enum Change {
         /// Where the first of them is.
         first: Place,
     },
+    /// Of more points than smoothing takes, one of several was taken.
+    Thinned {
+        /// How many there were.
+        points: usize,
+        /// Of how many one was taken.
+        every: usize,
+    },
     /// The points were moved onto a smooth line; the edges kept their place.
     Smoothed {
         /// How many points the file has.
@@ -121,6 +128,9 @@ impl fmt::Display for Change {
         match self {
             Self::Repeated { count, first } => {
                 write!(f, "left out {count} repeated points, the first at {first}")
+            }
+            Self::Thinned { points, every } => {
+                write!(f, "took one of {every} points, as {points} are more than a track needs")
             }
             Self::Smoothed { points, rms, largest, place, noise } => write!(
                 f,

@@ -31,6 +31,8 @@ const ROUNDING: f64 = 1e-9;
 const LEAST_CUT: f64 = 0.4;
 /// A track with more than this share of the lap cut has widths that do not belong to it.
 const MOST_CUT: f64 = 0.5;
+/// Most points that are smoothed: one a metre of the longest circuits.
+const MOST_POINTS: usize = 20_000;
 /// Cuts closer than this many points are one.
 const MERGE: usize = 3;
 
@@ -46,8 +48,13 @@ pub(super) fn build(
         return Err(problems);
     }
     let mut changes = Vec::new();
-    let (kept, repeated) = distinct(given);
+    let (mut kept, repeated) = distinct(given);
     changes.extend(repeated);
+    let every = kept.len().div_ceil(MOST_POINTS);
+    if every > 1 && options.smooth.is_none_or(|distance| distance > 0.0) {
+        changes.push(Change::Thinned { points: kept.len(), every });
+        kept = kept.into_iter().step_by(every).collect();
+    }
     let own_item = |i: usize| item(kept.get(i).copied().unwrap_or(i));
     let survey: Vec<TrackPoint> = kept.iter().map(|&i| given[i]).collect();
     let noise = noise(&survey);

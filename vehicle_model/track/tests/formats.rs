@@ -67,6 +67,45 @@ fn a_comma_between_semicolons_is_a_decimal_point() {
 }
 
 #[test]
+fn a_comma_between_blanks_or_tabs_is_a_decimal_point_and_beside_one_it_separates() {
+    let points = ellipse(90);
+    let row = |x: f64, y: f64| [x, y, 4.0, 4.0].map(|number| format!("{number:.6}"));
+    let text = |separator: &str, point: &str| {
+        points.iter().fold(
+            "x_m y_m w_tr_right_m w_tr_left_m\n".replace(' ', separator),
+            |text, p| {
+                text + &row(p.x, p.y).map(|word| word.replace('.', point)).join(separator) + "\n"
+            },
+        )
+    };
+    let exact = import("a.csv", &text(",", ".")).track;
+    for (separator, point) in [("\t", ","), (" ", ","), (", ", "."), (",\t", "."), (";", ",")] {
+        assert_eq!(import("a.csv", &text(separator, point)).track, exact, "{separator:?} {point}");
+    }
+    let whole = |separator: &str| text(separator, ".").replace(".000000", "");
+    assert_eq!(import("a.csv", &whole(", ")).track, exact);
+}
+
+/// Smoothing takes time by the point.
+#[test]
+fn of_a_dense_survey_a_part_of_the_points_is_taken_and_said() {
+    let text = ellipse(50_000).iter().fold("x,y\n".to_owned(), |mut text, p| {
+        writeln!(text, "{},{}", p.x, p.y).unwrap();
+        text
+    });
+    let dense = import("a.csv", &text);
+    let said: Vec<String> = dense.changes.iter().map(ToString::to_string).collect();
+    assert_eq!(said, ["took one of 3 points, as 50000 are more than a track needs"]);
+    assert!(dense.line.len() <= 20_000 && dense.points.len() == 50_000);
+    let coarse = Track::from_points("a", &ellipse(2_000)).unwrap();
+    assert!((dense.track.length() / coarse.length() - 1.0).abs() < 1e-6);
+    // What is to go through the points goes through all of them.
+    let options = ImportOptions { half_width: Some(4.0), smooth: Some(0.0) };
+    let exact = Track::import("a.csv", &text, &options).unwrap();
+    assert!(exact.changes.is_empty() && exact.line.len() == 50_000);
+}
+
+#[test]
 fn positions_on_the_globe_have_their_true_shape() {
     let points = ellipse(90);
     let exact = Track::from_points("a", &points).unwrap();

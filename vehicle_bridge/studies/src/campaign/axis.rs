@@ -134,7 +134,10 @@ impl Range {
 
     fn count(&self) -> Result<u64> {
         let count = self.count.context("`count` is missing")?;
-        ensure!((2..=MOST_POINTS).contains(&count), "count: found {count}, expected 2 or more");
+        ensure!(
+            (2..=MOST_POINTS).contains(&count),
+            "count: found {count}, expected 2 to {MOST_POINTS}"
+        );
         Ok(count)
     }
 
@@ -188,7 +191,10 @@ impl Random {
     /// Draws, the same for the same seed on every machine.
     fn draw(&self) -> Result<Vec<Value>> {
         let Self { from, to, count, log, whole, .. } = *self;
-        ensure!((1..=MOST_POINTS).contains(&count), "count: found {count}, expected 1 or more");
+        ensure!(
+            (1..=MOST_POINTS).contains(&count),
+            "count: found {count}, expected 1 to {MOST_POINTS}"
+        );
         ensure!(from.is_finite() && to >= from && to.is_finite(), "{from} to {to} is no interval");
         if log && from <= 0.0 {
             bail!("log: found {from} to {to}, expected numbers above 0");

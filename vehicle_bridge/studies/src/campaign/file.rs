@@ -1,9 +1,10 @@
 //! The file of a campaign.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::{fs, str};
 
 use anyhow::{Context as _, Result, ensure};
+use bounded_file::Limit;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -31,8 +32,7 @@ struct Text {
     nominal_mu: Option<f64>,
     body: Option<bool>,
     model_error: Option<ModelErrorText>,
-    #[serde(default)]
-    seeds: Seeds,
+    seeds: Option<Seeds>,
     #[serde(default)]
     set: Table,
     #[serde(default)]
@@ -67,17 +67,22 @@ enum Seeds {
     List(Vec<u64>),
 }
 
-impl Default for Seeds {
-    fn default() -> Self {
-        Self::Count(1)
-    }
-}
-
 impl Seeds {
-    fn list(&self) -> Vec<u64> {
+    fn list(&self) -> Result<Vec<u64>> {
         match self {
-            Self::Count(count) => (0..*count).collect(),
-            Self::List(list) => list.clone(),
+            Self::Count(count) => {
+                ensure!(
+                    *count <= MOST_RUNS as u64,
+                    "seeds: found {count}, expected at most {MOST_RUNS}"
+                );
+                Ok((0..*count).collect())
+            }
+            Self::List(list) => {
+                let mut known = BTreeSet::new();
+                let again = list.iter().find(|seed| !known.insert(**seed));
+                ensure!(again.is_none(), "seeds: {} stands there twice", again.unwrap_or(&0));
+                Ok(list.clone())
+            }
         }
     }
 }
@@ -125,16 +130,20 @@ impl Campaign {
     /// # Errors
     /// If the file is wrong, or a run cannot be put together.
     pub fn load(path: &Path) -> Result<Self> {
-        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let text = str::from_utf8(&bytes).context("no text in UTF-8");
+        let text = bounded_file::text(path, Limit::SETTINGS)?;
         let stem = path.file_stem().map_or("campaign".into(), |s| s.to_string_lossy().into_owned());
         let folder = path.parent().unwrap_or(Path::new(""));
-        text.and_then(|text| Self::parse(text, &stem, folder))
-            .with_context(|| path.display().to_string())
+        Self::parse(&text, &stem, folder).with_context(|| path.display().to_string())
     }
 
     fn parse(text: &str, stem: &str, folder: &Path) -> Result<Self> {
         let text: Text = toml::from_str(text)?;
+        ensure!(
+            !text.axis.is_empty() || text.seeds.is_some(),
+            "nothing varies from run to run: expected an `[[axis]]` with `key` and `values`, or \
+             `seeds`; `lmpc race` drives a single run"
+        );
+        let seeds = text.seeds.as_ref().map_or_else(|| Ok(vec![0]), Seeds::list)?;
         let axes: Vec<Axis> = text.axis.iter().map(AxisText::axis).collect::<Result<_>>()?;
         let keys: Vec<String> = axes.iter().flat_map(|axis| axis.keys.clone()).collect();
         for (i, key) in keys.iter().enumerate() {
@@ -152,7 +161,7 @@ impl Campaign {
             }
             None => racing::ModelErrorAt::Never,
         };
-        let cases = cases(&text.base(), &axes, &when, &text.seeds.list(), &mut workshop)?;
+        let cases = cases(&text.base(), &axes, &when, &seeds, &mut workshop)?;
         let title = text.title.unwrap_or_else(|| stem.to_owned());
         let campaign = Self { title, axes: keys, measures, limits: Limits::default(), cases };
         let limits = Limits::parse(&text.limits, &campaign.columns())?;
@@ -203,9 +212,6 @@ fn cases(
     let runs = runs.filter(|runs| *runs <= MOST_RUNS);
     let runs = runs.with_context(|| format!("more than {MOST_RUNS} runs"))?;
     ensure!(runs > 0, "no runs: `seeds` is 0 or empty");
-    for (i, seed) in seeds.iter().enumerate() {
-        ensure!(!seeds[..i].contains(seed), "seeds: {seed} stands there twice");
-    }
     let mut all = Vec::new();
     for cell in 0..runs / seeds.len() {
         let varied = point(axes, cell);
@@ -264,6 +270,25 @@ mod tests {
                 assert_eq!((plan.seed, &plan.settings), (case.seed, &case.settings), "{place}");
             }
         }
+    }
+
+    #[test]
+    fn a_file_without_axes_and_seeds_is_refused_and_one_with_seeds_is_not() {
+        let parse = |text: &str| Campaign::parse(text, "s", Path::new(""));
+        for text in ["", "# nothing\n", "title = \"a\"\nlaps = 3\n[set]\ncar = \"kart\"\n"] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains("`[[axis]]`") && error.contains("`seeds`"), "{error}");
+        }
+        assert_eq!(parse("seeds = 4\n").unwrap().cases.len(), 4);
+        for (seeds, expected) in [
+            ("99999999999", "found 99999999999, expected at most 10000000"),
+            ("[1, 2, 1]", "1 stands"),
+        ] {
+            let error = parse(&format!("seeds = {seeds}\n")).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        let axis = "[[axis]]\nkey = \"config.horizon.steps\"\nvalues = [10, 12]\n";
+        assert_eq!(parse(axis).unwrap().cases.len(), 2);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use hosting::load;
 use hosting::rule::TrackLimit;
 use hosting::settings::{Layers, SettingOrigin};
-use racing::{ModelErrorAt, Parts, RaceOptions};
+use racing::{ModelErrorAt, Parts, RaceOptions, overlay_changes};
 use toml::{Table, Value};
 use vehicle_model::track::{ImportOptions, random};
 use vehicle_model::{CarParams, Track, TrackError};
@@ -218,7 +218,8 @@ impl Sorted {
                 let text = word()?;
                 let changes = text.split(',').map(str::trim);
                 let changes = changes.filter(|change| !change.is_empty() && *change != "none");
-                self.plant.extend(changes.map(str::to_owned));
+                let changes: Vec<String> = changes.map(str::to_owned).collect();
+                overlay_changes(&mut self.plant, &changes)?;
             }
             Key::NominalMu => {
                 let mu = number(value);
@@ -241,7 +242,9 @@ impl Sorted {
                 ensure!(key != "warm_up.seed", "config.warm_up.seed is that of `seeds`");
                 self.config.push(format!("{key}={value}"));
             }
-            Key::OfPlant(key) => self.plant.push(format!("{key}={}", text(value))),
+            Key::OfPlant(key) => {
+                overlay_changes(&mut self.plant, &[format!("{key}={}", text(value))])?;
+            }
             Key::OfCar(key) => self.car_keys.push((key, value.clone())),
             Key::OfTrack(key) => self.track_keys.push((key, value.clone())),
         }

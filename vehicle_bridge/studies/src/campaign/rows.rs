@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
+use bounded_file::Limit;
 use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
@@ -192,7 +193,7 @@ impl Sheet {
 
     pub(crate) fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(SHEET);
-        let text = std::fs::read_to_string(&path).with_context(|| {
+        let text = bounded_file::text(&path, Limit::SETTINGS).with_context(|| {
             format!("{} is no folder of a campaign: no {SHEET}", folder.display())
         })?;
         toml::from_str(&text).with_context(|| path.display().to_string())

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use bounded_file::Limit;
 
 use crate::campaign::{Sheet, distinct};
 
@@ -35,8 +36,7 @@ impl RunTable {
                 path.display()
             );
         }
-        let text = std::fs::read_to_string(&file)
-            .with_context(|| format!("cannot read {}", file.display()))?;
+        let text = bounded_file::text(&file, Limit::RUNS)?;
         let mut table = Self::parse(&text).with_context(|| file.display().to_string())?;
         let sheet = file.parent().map(Sheet::read);
         if let Some(Ok(sheet)) = sheet {

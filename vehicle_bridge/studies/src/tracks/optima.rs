@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use bounded_file::Limit;
 use serde::Deserialize;
 
 /// Known times of optimal laps.
@@ -67,8 +68,7 @@ impl Optima {
 }
 
 fn read(path: &Path) -> Result<Vec<Lap>> {
-    let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = bounded_file::text(path, Limit::SETTINGS)?;
     let of_file = || format!("{}: expected car, track and seconds", path.display());
     let laps: Vec<Lap> = if path.extension().is_some_and(|e| e == "toml") {
         match toml::from_str::<Laps>(&text) {

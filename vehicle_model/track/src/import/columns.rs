@@ -77,13 +77,14 @@ pub(super) struct Columns {
 fn words(header: &str) -> (Vec<String>, bool) {
     let separators: &[char] = &[',', ';', '\t'];
     let header = header.trim().trim_end_matches(separators);
-    let separated = header.contains(separators);
-    let words: Vec<&str> = match separated {
-        true => header.split(separators).collect(),
-        false => header.split_whitespace().collect(),
+    // A blank of any kind may stand beside a comma or a semicolon.
+    let separator = [';', ',', '\t'].into_iter().find(|separator| header.contains(*separator));
+    let words: Vec<&str> = match separator {
+        Some(separator) => header.split(separator).collect(),
+        None => header.split_whitespace().collect(),
     };
     let plain = |word: &str| word.trim().trim_matches(['"', '\'']).trim().to_lowercase();
-    (words.into_iter().map(plain).collect(), separated)
+    (words.into_iter().map(plain).collect(), separator.is_some())
 }
 
 /// A name and its unit: `x [m]`, `x (m)`, `x_m` or `x`.

@@ -118,7 +118,15 @@ pub(super) fn read(
 
 /// The character that separates the columns of a line; none if blanks do.
 fn separator(content: &str) -> Option<char> {
-    [';', ','].into_iter().find(|s| content.contains(*s))
+    let found = [';', ','].into_iter().find(|s| content.contains(*s));
+    found.filter(|s| *s == ';' || !blanks_separate(content))
+}
+
+/// Whether the commas of a line are decimal points of numbers that blanks separate.
+fn blanks_separate(content: &str) -> bool {
+    let mut words = content.split_whitespace();
+    words.clone().nth(1).is_some()
+        && words.all(|word| !word.ends_with(',') && number(word, ' ').is_some())
 }
 
 /// The words of a line, separated by semicolons, commas or blanks, each with the byte where it begins.
@@ -140,10 +148,10 @@ fn cells(content: &str) -> impl Iterator<Item = (usize, &str)> {
         .filter(move |(_, word)| separator.is_some() || !word.is_empty())
 }
 
-/// The number of a word. Where semicolons separate, a comma is a decimal point.
+/// The number of a word. Where semicolons or blanks separate, a comma is a decimal point.
 fn number(word: &str, separator: char) -> Option<f64> {
     let value = match separator {
-        ';' if !word.contains('.') => word.replacen(',', ".", 1).parse::<f64>(),
+        ';' | ' ' if !word.contains('.') => word.replacen(',', ".", 1).parse::<f64>(),
         _ => word.parse(),
     };
     value.ok()
