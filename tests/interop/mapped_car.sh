@@ -7,7 +7,7 @@ tests/interop/needs.sh target/lcm/venv/bin/python
 out=target/lcm/mapped
 python=target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"
