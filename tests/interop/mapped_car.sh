@@ -1,6 +1,6 @@
 #!/bin/sh
 # A car with messages of its own drives with `lmpc serve` through `lmpc vehicle car --map`, in a
-# network namespace of its own; when the commands stop, it is told to brake.
+# network namespace of its own; when the commands stop, it gets the order to brake.
 set -eu
 cd "$(dirname "$0")/../.."
 tests/interop/needs.sh target/lcm/venv/bin/python
