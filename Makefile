@@ -1,31 +1,14 @@
 # The commands of the README: `make race`, `make test`, `make fmu`, `make book`.
-FMU = $${CARGO_TARGET_DIR:-target}/fmu
 .PHONY: race test test-fast generated tree-size book doc fmu fmu-test fmu-bits fmu-old release deb deb-test \
 	wheel campaign-test foxglove-test lint bench clean
 
 race:
 	tools/setup.sh race
-	cargo run --release -p vehicle_bridge --bin lmpc -- race --out out/race
+	tools/build.sh
+	$${CARGO_TARGET_DIR:-target}/release/lmpc race --out out/race
 
 test:
-	tools/setup.sh race test fmu fmu-test
-	tools/setup-lcm.sh
-	tools/fmu_tools.sh
-	cargo test --workspace --release
-	tests/interop/types.sh
-	tests/interop/python_vehicle.sh
-	tests/interop/mapped_car.sh
-	tests/interop/bridged_cars.sh car
-	tests/interop/export.sh
-	tests/interop/closed_loop.sh
-	tests/interop/spy.sh
-	tests/interop/view.sh
-	tests/interop/slurm.sh
-	tests/interop/vehicles.sh
-	LMPC_DEB_BINARY=$${CARGO_TARGET_DIR:-target}/release/lmpc tools/deb.sh
-	LMPC_DEB_MOST=24000000 tests/interop/deb.sh
-	$(MAKE) fmu-test
-	python/test.sh
+	tests/all.sh
 
 # Unit tests, the core crates, the source tree and the documents: no packages, no network.
 test-fast:
@@ -59,17 +42,12 @@ fmu-bits: fmu
 # wired systems, in out/fmu.
 fmu:
 	tools/setup.sh race fmu
-	tools/fmu.sh
-	cargo run --quiet --release -p vehicle_bridge --bin lmpc -- fmu pack $(FMU)/lib --out out/fmu
+	tools/pack_fmus.sh
 
 # Both FMUs in every importer that is not ours, under Valgrind, wine and qemu.
 fmu-test: fmu
 	tools/setup.sh fmu fmu-test
-	tools/fmu_check.sh
-	tools/fmu_host_check.sh
-	tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
-	tests/interop/bridged_cars.sh fmu:$(FMU)/check/foreign/DegreesVehicle.fmu \
-		examples/fmu/degrees_map.toml
+	tests/fmus.sh
 
 # The FMUs in a Debian 11 (glibc 2.31) of their own; needs root for the chroot.
 fmu-old: fmu

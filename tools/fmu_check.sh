@@ -1,7 +1,7 @@
 #!/bin/sh
 # Holds the packed FMUs (out/fmu, or the folder named) to what importers that are not ours say:
-# validators, bit-equality with the native race, five laps in every tool. Needs python3 with venv
-# and pip, xmllint, libtbb12; anything missing is a failure.
+# validators, bit-equality with the native race, five laps in every tool. Needs python3 with venv,
+# xmllint, libtbb12; anything missing is a failure.
 set -eu
 cd "$(dirname "$0")/.."
 fmus=${1:-out/fmu}
@@ -54,13 +54,13 @@ echo "== what they ship to be tried with"
 "$python" fmu/tests/smoke_test.py "$fmus"
 
 echo "== against lmpc race"
-cargo run --quiet --release -p vehicle_bridge --bin lmpc -- \
-    --quiet race --seed 0 --laps 5 --out "$work/race" > /dev/null
+tools/build.sh --quiet
+lmpc() { "${CARGO_TARGET_DIR:-target}/release/lmpc" --quiet "$@"; }
+lmpc race --seed 0 --laps 5 --out "$work/race" > /dev/null
 "$python" fmu/tests/fmpy_lockstep.py "$work/race/trajectory.csv" "$fmus"
 
 echo "== through the fmi crate: step by step, then the car of lmpc race"
-cargo run --quiet --release -p vehicle_bridge --example packed_fmus -- "$fmus"
-lmpc() { cargo run --quiet --release -p vehicle_bridge --bin lmpc -- --quiet "$@"; }
+"${CARGO_TARGET_DIR:-target}/release/examples/packed_fmus" "$fmus"
 # Bit for bit but for the model error: it needs to see into the car.
 column=$(head -1 "$work/race/trajectory.csv" | tr , '\n' | grep -nx model_error | cut -d: -f1)
 cut -d, -f"$column" --complement "$work/race/trajectory.csv" > "$work/race/seen.csv"

@@ -20,8 +20,8 @@ for name in ${*:-fmpy ecos cosim pathsim ssp toolbox cofmupy}; do
         *) echo "unknown: $name" >&2 && exit 2 ;;
     esac
     [ "$(cat "$tools/$name/ready" 2>/dev/null)" != "$packages" ] || continue
-    python3 -m venv "$tools/$name"
+    tools/uv.sh venv --clear --python python3 "$tools/$name"
     # shellcheck disable=SC2086
-    "$tools/$name/bin/pip" install --quiet --disable-pip-version-check $packages
+    tools/uv.sh pip install --compile-bytecode --python "$tools/$name/bin/python" $packages
     echo "$packages" > "$tools/$name/ready"
 done

@@ -12,7 +12,7 @@ out=target/lcm/bridged
 python=target/lcm/venv/bin/python
 lmpc=target/release/lmpc
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

@@ -7,7 +7,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 lmpc=${LMPC:-${CARGO_TARGET_DIR:-target}/release/lmpc}
-[ -n "${LMPC:-}" ] || cargo build --quiet --locked --release -p vehicle_bridge --bin lmpc
+[ -n "${LMPC:-}" ] || tools/build.sh --quiet
 out=${CARGO_TARGET_DIR:-target}/campaign
 rm -rf "$out" && mkdir -p "$out"
 study() { "$lmpc" --quiet study "$@" >/dev/null; }

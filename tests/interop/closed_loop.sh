@@ -13,7 +13,7 @@ laps=${1:-8}
 out=target/lcm/closed_loop
 types=target/lcm/types/pypi
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    tools/build.sh --quiet
     tests/interop/python_types.sh "$types"
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 600 "$0" "$@"
 fi

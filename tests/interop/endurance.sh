@@ -13,7 +13,7 @@ seconds=${1:-3600}
 lmpc=${2:-target/release/lmpc}
 out=target/lcm/endurance
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    [ -n "${2:-}" ] || cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    [ -n "${2:-}" ] || tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh --fifo "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

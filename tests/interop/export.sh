@@ -8,7 +8,7 @@ out=target/lcm/export
 types=target/lcm/types/pypi
 python=target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    tools/build.sh --quiet
     tests/interop/python_types.sh "$types"
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi

@@ -15,7 +15,7 @@ url='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'
 if [ -z "${LMPC_ISOLATED:-}" ]; then
     mkdir -p "$out"
     cc -O2 -o "$out/lcm_load" tests/interop/lcm_load.c -llcm
-    cargo build --quiet --release -p vehicle_bridge --example lcm_load
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh "$0" "$@"
 fi
 export LCM_DEFAULT_URL="$url"

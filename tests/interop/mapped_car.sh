@@ -1,13 +1,13 @@
 #!/bin/sh
 # A car with messages of its own drives with `lmpc serve` through `lmpc vehicle car --map`, in a
-# network namespace of its own; when the commands stop, it is told to brake.
+# network namespace of its own; when the commands stop, it gets the order to brake.
 set -eu
 cd "$(dirname "$0")/../.."
 tests/interop/needs.sh target/lcm/venv/bin/python
 out=target/lcm/mapped
 python=target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

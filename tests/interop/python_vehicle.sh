@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 tests/interop/needs.sh target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 300 "$0" "$@"
 fi
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'

@@ -16,7 +16,7 @@ tests/interop/needs.sh strings cyclictest
 seconds=${1:-60}
 out=target/lcm/realtime
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh --fifo timeout 600 "$0" "$@"
 fi
 rm -rf "$out" && mkdir -p "$out"

@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 PATH=$PATH:/usr/sbin
 tests/interop/needs.sh munged slurmctld slurmd sbatch scontrol
-cargo build --quiet --release -p vehicle_bridge --bin lmpc
+tools/build.sh --quiet
 target=$(realpath "${CARGO_TARGET_DIR:-target}")
 lmpc=$target/release/lmpc
 work=$(mktemp -d)

@@ -14,7 +14,7 @@ python=target/lcm/venv/bin/python
 packaged=$(dirname "$("$python" -c 'import lcm; print(lcm.__file__)')")/../bin/lcm-gen
 files="lcm_types/lcm/*.lcm lcm_types/tests/lcm/*.lcm"
 
-cargo build --quiet --release -p lcm_types --example wire
+tools/build.sh --quiet
 wire=target/release/examples/wire
 rm -rf "$out"
 mkdir -p "$out/debian" "$out/pypi"

@@ -7,7 +7,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 target=$(realpath "${CARGO_TARGET_DIR:-target}")
 tools/fmu_tools.sh fmpy
-cargo build --quiet --release -p vehicle_bridge --bin lmpc
+tools/build.sh --quiet
 lmpc="$target/release/lmpc --quiet"
 tools=$target/tools/fmpy/bin
 work=$target/fmu/vehicles

@@ -10,7 +10,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 tests/interop/needs.sh target/lcm/venv/bin/python
 if [ -z "${LMPC_ISOLATED:-}" ]; then
-    cargo build --quiet --release -p vehicle_bridge --bin lmpc
+    tools/build.sh --quiet
     LMPC_ISOLATED=1 exec tests/interop/isolated.sh timeout 1200 "$0" "$@"
 fi
 out=target/lcm/view

@@ -80,7 +80,7 @@ impl Drive {
         self.step_on(&measurement)
     }
 
-    /// One period in which the controller is told `measurement`; the car drives on.
+    /// One period in which the controller gets `measurement`; the car drives on.
     pub fn step_on(&mut self, measurement: &Measurement) -> Command {
         let command = self.controller.step(measurement);
         self.assert_allowed(&command);

@@ -112,7 +112,7 @@ fn in_lock_step_the_commands_are_those_of_the_race_bit_for_bit() {
             .map(|received| VehicleState::open(&received.payload).unwrap())
             .collect();
         for (n, row) in race.steps.iter().enumerate() {
-            // A state not heard at once is said again, with the same time of measurement.
+            // A state that is not received at once is sent again, with the same time of measurement.
             let meas_mono_ns = (row.time * 1e9).round() as i64;
             let state = states.iter().find(|state| state.meas_mono_ns == meas_mono_ns);
             let state = state.unwrap_or_else(|| panic!("no state of step {n}"));

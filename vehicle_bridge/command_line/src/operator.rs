@@ -81,7 +81,7 @@ Examples:
   lmpc operator speed-cap 2.5
   lmpc operator estop
 
-Each order is said every 10 ms, an emergency stop three times, until it is answered. Exit code 1
+Each order is sent every 10 ms, an emergency stop three times, until it is answered. Exit code 1
 if it is refused, with the reason, or if nobody answers within 3 s; 3 if the bridge ends a drive
 with the dead man's switch held.";
 

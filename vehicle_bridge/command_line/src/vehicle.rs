@@ -20,7 +20,7 @@ const INSPECT_EXAMPLES: &str = "\
 Example:
   lmpc vehicle inspect their_car.fmu > map.toml && lmpc check map.toml
 
-What is uncertain is said in comments. A map names, for each of our quantities, the variable of
+Comments mark what is uncertain. A map names, for each of our quantities, the variable of
 the FMU, its unit, and a scale (-1 where theirs is positive to the right) and an offset:
 ours = scale * unit * theirs + offset.";
 

@@ -40,7 +40,7 @@ pub struct Safety {
     pub(super) doubt: Doubt,
     /// The stop is driven by reckoning: the states are doubted.
     pub(super) blind: bool,
-    /// The stop is driven with a steering that does not do what it is told.
+    /// The stop is driven with a steering that does not follow its commands.
     pub(super) steering: Option<Steering>,
     /// The brake that holds the car.
     pub(super) hold: Hold,

@@ -18,7 +18,7 @@ pub(super) fn brake(rules: &Rules, x: &State, hold: Hold) -> Input {
     hold.apply(rules, x.v_x, rules.tracker.brake(x, &rules.track))
 }
 
-/// The same with a steering that does not do what it is told: against its bias, or, where it is stuck,
+/// The same with a steering that does not follow its commands: against its bias, or, where it is stuck,
 /// as hard as the lateral acceleration that the car has leaves grip for.
 pub(super) fn brake_without_steering(
     rules: &Rules,

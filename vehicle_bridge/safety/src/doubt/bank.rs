@@ -1,4 +1,4 @@
-//! Whether the wheels move when they are told to: a bank of hypotheses about grip and lag.
+//! Whether the wheels follow the commands: a bank of hypotheses about grip and lag.
 //!
 //! Under each hypothesis the one-step model turns the measured change of the yaw rate into the
 //! steering angle that explains it, and the change of speed into an acceleration. Over a short window

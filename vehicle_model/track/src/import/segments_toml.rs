@@ -1,4 +1,4 @@
-//! Our own track format: straights and arcs in TOML. Every problem of a file is told at once.
+//! Our own track format: straights and arcs in TOML. All problems of a file are reported at once.
 
 use super::{points_toml, stations_toml};
 use crate::{ImportOptions, Imported, Segment, TrackError, points, segment};
