@@ -12,7 +12,7 @@ rm -rf "$wheels"
 tools/wheel_fmus.sh
 PATH=$bin:$PATH maturin build --quiet --locked --release --compatibility linux \
     --manifest-path python/Cargo.toml --interpreter "$bin/python" --out "$wheels"
-tools/uv.sh pip install --python "$bin/python" --no-deps --reinstall "$wheels"/*.whl
+"$bin/pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/*.whl
 tools/build.sh --quiet
 cd python
 LMPC=$target/release/lmpc "$bin/pytest" -q -p no:cacheprovider "$@"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Holds the packed FMUs (out/fmu, or the folder named) to what importers that are not ours say:
-# validators, bit-equality with the native race, five laps in every tool. Needs python3 with venv,
-# xmllint, libtbb12; anything missing is a failure.
+# validators, bit-equality with the native race, five laps in every tool. Needs python3 with venv
+# and pip, xmllint, libtbb12; anything missing is a failure.
 set -eu
 cd "$(dirname "$0")/.."
 fmus=${1:-out/fmu}

@@ -7,8 +7,8 @@ cd "$(dirname "$0")/.."
 python=target/lcm/venv/bin/python
 if ! "$python" -c 'import lcm, mcap, playwright, websockets' 2>/dev/null; then
     mkdir -p target/lcm
-    tools/uv.sh venv --clear --python python3 target/lcm/venv
-    tools/uv.sh pip install --compile-bytecode --python "$python" lcm==1.5.3 mcap==1.3.0 playwright==1.65.2 \
+    python3 -m venv target/lcm/venv
+    "$python" -m pip install --quiet lcm==1.5.3 mcap==1.3.0 playwright==1.65.2 \
         websockets==17.4
 fi
 "$python" -c 'import lcm, mcap, playwright, websockets'
