@@ -4,8 +4,7 @@
 
 race:
 	tools/setup.sh race
-	tools/build.sh
-	$${CARGO_TARGET_DIR:-target}/release/lmpc race --out out/race
+	cargo run --release -p vehicle_bridge --bin lmpc -- race --out out/race
 
 test:
 	tests/all.sh

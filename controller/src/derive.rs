@@ -22,7 +22,7 @@ const RESERVE_WIDTH: f64 = 0.05;
 /// peak slip: tyres that slip farther before they lose grip let the car go farther astray.
 const RESERVE_SLIP: f64 = 0.13;
 /// Least such error \[rad\].
-const RESERVE_HEADING: f64 = 0.03;
+const RESERVE_HEADING: f64 = 0.021;
 /// Ridge weight where lag blurs the inputs: what few samples say of slopes is then noise.
 const LAGGING_RIDGE: f64 = 30.0;
 /// Secant length where lag makes corrections come late: tangents near the peak then make the

@@ -13,10 +13,6 @@ use vehicle_model::{Outline, State, Track};
 use crate::controller::Setup;
 use crate::fhocp::Fhocp;
 
-/// What near and far stages keep free beside the body, in reserves. A plan keeps its distance from afar; the
-/// car may use most of the reserve before the next plan is bound to turn away.
-const KEPT: [f64; 2] = [0.4, 1.2];
-
 /// What the first learned lap keeps free more than later ones, in reserves beside the body: it meets
 /// speeds and edges that no lap has tried.
 const UNTRIED: f64 = 2.0;
@@ -47,21 +43,13 @@ impl Lane {
     }
 }
 
-/// The lane of a stage that is near (0) to far (1), with `more` free beside the lane margin. The heading
-/// counts as it does at the nearer edge.
-pub(crate) fn bounds(
-    setup: &Setup,
-    outline: Option<&Outline>,
-    x: &State,
-    (far, more): (f64, f64),
-) -> Lane {
+/// The lane that keeps `more` free beside the lane margin. The heading counts as it does at the nearer edge.
+pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, more: f64) -> Lane {
     let (left, right) = (setup.track.width_left(x.s), setup.track.width_right(x.s));
     let margin = setup.config.limits.lane_margin + more.min(NARROWED * (left + right));
     let Some(outline) = outline else {
-        // The margin of the centre of gravity says nothing of a body.
         return Lane { heading: 0.0, least: margin - right, greatest: left - margin };
     };
-    let margin = margin - reserve(setup) + kept(setup, far);
     let [left, right] = room(outline, &setup.track, x);
     let (kappa, e_psi) = (setup.track.kappa(x.s), x.e_psi.clamp(-ACROSS, ACROSS));
     let heading = if left - x.e_y < right + x.e_y {
@@ -82,20 +70,12 @@ pub(crate) fn unsure(setup: &Setup, covariance: &Matrix6<f64>) -> f64 {
 
 /// Room beside the body that the first laps keep after so many learned ones \[m\].
 pub(crate) fn untried(setup: &Setup, laps: u32) -> f64 {
-    if setup.config.limits.uncertainty == 0.0 {
+    let limits = &setup.config.limits;
+    if limits.uncertainty == 0.0 {
         return 0.0;
     }
-    UNTRIED * reserve(setup) * libm::pow(LEFT, f64::from(laps))
-}
-
-/// Room beside the body in the lane margin \[m\].
-fn reserve(setup: &Setup) -> f64 {
-    (setup.config.limits.lane_margin - 0.5 * setup.car.width).max(0.0)
-}
-
-/// Room beside the body that a stage keeps which is near (0) to far (1) \[m\].
-fn kept(setup: &Setup, far: f64) -> f64 {
-    reserve(setup) * (KEPT[0] + (KEPT[1] - KEPT[0]) * far)
+    let reserve = (limits.lane_margin - 0.5 * setup.car.width).max(0.0);
+    UNTRIED * reserve * libm::pow(LEFT, f64::from(laps))
 }
 
 /// Room on either side of the centre line for the centre of gravity of a car that stands along it, which
@@ -125,12 +105,12 @@ mod tests {
         let config = Config::derived(Preset::Race, &car, &track);
         let setup = Controller::new(config, car.clone(), track.clone()).unwrap().setup;
         let outline = Outline::new(&car);
-        let margin = 0.5 * car.width + kept(&setup, 0.0);
+        let margin = setup.config.limits.lane_margin;
         let mut turned_away: f64 = 0.0;
         for s in [1.12, 6.0] {
             for (e_psi, e_y) in [(0.6, 0.2), (-0.6, 0.2), (0.3, -0.2), (-0.3, -0.2), (0.7, -0.2)] {
                 let x = State { v_x: 3.0, s, e_psi, e_y, ..State::default() };
-                let lane = bounds(&setup, Some(&outline), &x, (0.0, 0.0));
+                let lane = bounds(&setup, Some(&outline), &x, 0.0);
                 for turn in [-0.05, 0.05] {
                     let turned = State { e_psi: e_psi + turn, ..x };
                     let sum = e_y + lane.heading * turned.e_psi;

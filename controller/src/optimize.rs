@@ -208,8 +208,7 @@ impl Workspace {
             // Room for the noise itself made cars slower that were off the track as often.
             let room = sigmas * slip::deviation(&ahead, &problem.rear[t]);
             problem.rear_share[t] = slip::left(share * load, room, problem.rear_max);
-            lane::bounds(setup, self.outline.as_ref(), next, (far, aside))
-                .bound(&mut self.problem, t);
+            lane::bounds(setup, self.outline.as_ref(), next, aside).bound(&mut self.problem, t);
         }
         self.bound_speed(setup, memory);
         let models = &mut self.problem.model;

@@ -67,8 +67,7 @@ section! {
     /// Distance the centre of gravity of a car parallel to the track keeps from either edge.
     lane_margin "lane_margin_m": f64, symbol "", unit "m", range (0.0, 100.0),
         from car_and_track "half the car's width, a share of its width, and what a small error of heading leads astray at top speed until a correction acts";
-    /// Whether the outline of the body keeps what `lane_margin_m` leaves beside half its width: 0.4 of it in the
-    /// near stages of a plan, 1.2 of it in the far ones.
+    /// Whether the outline of the body keeps what `lane_margin_m` leaves beside half its width.
     body "body": bool, symbol "", unit "", range (), from preset;
     /// Guard on the front slip angle |alpha_f|; 0 switches it off.
     front_slip "front_slip_rad": f64, symbol "", unit "rad", range (0.0, 1.5),

@@ -4,7 +4,6 @@
 
 pub mod columns;
 pub mod files;
-mod initial_lap;
 mod parts;
 mod plant;
 pub mod raceline;
@@ -24,7 +23,6 @@ use vehicle_model::{
 };
 
 pub use hosting::rule::{Edges, FailureRule, TrackLimit};
-pub use initial_lap::{LeavesTrack, initial_lap};
 pub use parts::{Parts, SMALL_CAR, nominal};
 pub use plant::{change_plant, overlay_changes};
 

@@ -19,7 +19,7 @@ use command_line::{
     SimArgs,
 };
 use hosting::realtime;
-use hosting::rule::{FailureRule, TrackLimit};
+use hosting::rule::FailureRule;
 use hosting::shutdown::{self, Shutdown};
 use hosting::worker::Worker;
 use hosting::{learned, load};
@@ -59,11 +59,6 @@ pub(super) fn serve(args: &ServeArgs, talk: Talk) -> Result<Outcome> {
     };
     if let Some(path) = &args.learned {
         talk.say(&format!("{} laps loaded from {}", controller.laps().len(), path.display()));
-    }
-    let by_itself = !args.dry_run && controller.laps().is_empty();
-    if by_itself && TrackLimit::of(controller.config()) == TrackLimit::Body {
-        let parts = (controller.config(), controller.car(), &**controller.track());
-        setup::initial_laps(&args.controller, parts)?;
     }
     let (network, mut notes, seal) = connect(&args.network, args.realtime)?;
     let (network, log) = logged(network, args.log.as_deref(), talk)?;

@@ -15,7 +15,7 @@ use optimum_store::{Known, OptimumStore};
 use racing::raceline::{self, Raceline};
 use racing::record::{Failure, StepRow, is_fallback};
 use racing::words::{action_word, kind_word, mode_word, model_word, reason_word};
-use racing::{Race, RaceOptions, TrackLimit, files};
+use racing::{Race, RaceOptions, files};
 use report::{Report, best_lap};
 use terminal::lap_table::{LapTable, head};
 use terminal::{BAD, BEST, SOFT, Talk, WARN, paint, result};
@@ -24,10 +24,6 @@ use terminal::{BAD, BEST, SOFT, Talk, WARN, paint, result};
 pub(super) fn run(args: &RaceArgs, talk: Talk) -> Result<Outcome> {
     let mut options = setup::race(&args.controller, args.laps, talk)?;
     options.limit = args.limit.limit(&options.config);
-    if args.load.is_none() && options.limit == TrackLimit::Body {
-        let parts = (&options.config, &options.nominal, &*options.track);
-        setup::initial_laps(&args.controller, parts)?;
-    }
     let known = known(args, &options, talk)?;
     let known = known.as_ref();
     let raceline = given_line(args)?;

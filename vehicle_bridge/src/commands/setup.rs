@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, bail};
-use controller::Config;
+use anyhow::{Result, bail};
 use vehicle_model::{CarParams, Track, TrackError};
 
 use command_line::ControllerArgs;
@@ -36,15 +35,6 @@ pub(super) fn race(args: &ControllerArgs, laps: u32, talk: Talk) -> Result<RaceO
         talk.say(&paint(WARN, &text));
     }
     assemble(args, car, track, laps)
-}
-
-/// Refuses a track whose edges the car crosses on the laps along the centre line, before learning.
-pub(super) fn initial_laps(
-    args: &ControllerArgs,
-    (config, car, track): (&Config, &CarParams, &Track),
-) -> Result<()> {
-    racing::initial_lap(config, car, track)
-        .with_context(|| format!("{} on {}", args.car, args.track))
 }
 
 /// That race with a car and a track that are loaded already; of both, `args` has the names.

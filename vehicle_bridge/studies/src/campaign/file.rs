@@ -138,11 +138,6 @@ impl Campaign {
 
     fn parse(text: &str, stem: &str, folder: &Path) -> Result<Self> {
         let text: Text = toml::from_str(text)?;
-        ensure!(
-            !text.axis.is_empty() || text.seeds.is_some(),
-            "nothing varies from run to run: expected an `[[axis]]` with `key` and `values`, or \
-             `seeds`; `lmpc race` drives a single run"
-        );
         let seeds = text.seeds.as_ref().map_or_else(|| Ok(vec![0]), Seeds::list)?;
         let axes: Vec<Axis> = text.axis.iter().map(AxisText::axis).collect::<Result<_>>()?;
         let keys: Vec<String> = axes.iter().flat_map(|axis| axis.keys.clone()).collect();
@@ -165,6 +160,12 @@ impl Campaign {
         let title = text.title.unwrap_or_else(|| stem.to_owned());
         let campaign = Self { title, axes: keys, measures, limits: Limits::default(), cases };
         let limits = Limits::parse(&text.limits, &campaign.columns())?;
+        // Last: what is wrong in the file may be why.
+        ensure!(
+            !text.axis.is_empty() || text.seeds.is_some(),
+            "nothing varies from run to run: expected an `[[axis]]` with `key` and `values`, or \
+             `seeds`; `lmpc race` drives a single run"
+        );
         Ok(Self { limits, ..campaign })
     }
 }
