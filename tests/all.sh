@@ -1,6 +1,5 @@
 #!/bin/sh
 # Every test: what `make test` runs. With the argument `lints` first what `.ci/run` adds to it.
-# shellcheck disable=SC2086,SC2154 # `spare` of tests/steps.sh is several words
 set -eu
 cd "$(dirname "$0")/.."
 . tests/steps.sh
@@ -17,7 +16,6 @@ joined packages
 step tools/build.sh
 export LMPC_BUILT=1
 
-beside fmus $spare tools/pack_fmus.sh
 step cargo test --workspace --release
 step tests/interop/types.sh
 step tests/interop/python_vehicle.sh
@@ -27,12 +25,10 @@ step tests/interop/export.sh
 step tests/interop/closed_loop.sh
 step tests/interop/spy.sh
 step tests/interop/slurm.sh
-joined fmus
-
-beside python $spare python/test.sh
 step tests/interop/view.sh
 step tests/interop/vehicles.sh
 step env LMPC_DEB_BINARY="${CARGO_TARGET_DIR:-target}/release/lmpc" tools/deb.sh
 step env LMPC_DEB_MOST=24000000 tests/interop/deb.sh
+step tools/pack_fmus.sh
 step tests/fmus.sh
-joined python
+step python/test.sh

@@ -1,13 +1,11 @@
 #!/bin/sh
 # Both FMUs of `make fmu` in every importer that is not ours, under Valgrind, wine and qemu, and as the car
 # behind the bridge.
-# shellcheck disable=SC2086,SC2154 # `spare` of tests/steps.sh is several words
 set -eu
 cd "$(dirname "$0")/.."
 . tests/steps.sh
-beside hosts $spare tools/fmu_host_check.sh
 step tools/fmu_check.sh
+step tools/fmu_host_check.sh
 step tests/interop/bridged_cars.sh fmu:out/fmu/fmi3/lmpc-vehicle.fmu
 step tests/interop/bridged_cars.sh "fmu:${CARGO_TARGET_DIR:-target}/fmu/check/foreign/DegreesVehicle.fmu" \
     examples/fmu/degrees_map.toml
-joined hosts

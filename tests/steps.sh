@@ -21,8 +21,6 @@ beside() { # name, command: starts it
     running="$running $!"
     eval "$name=$!"
 }
-# The processor time that everything else leaves.
-spare="chrt --idle 0"
 joined() { # name: waits until it has ended, and prints what it printed
     start=$(date +%s)
     code=0

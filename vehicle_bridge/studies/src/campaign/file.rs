@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn a_file_without_axes_and_seeds_is_refused_and_one_with_seeds_is_not() {
         let parse = |text: &str| Campaign::parse(text, "s", Path::new(""));
-        for text in ["", "# nothing\n", "title = \"a\"\nlaps = 3\n[set]\ncar = \"kart\"\n"] {
+        for text in ["", "# nothing\n", "title = \"a\"\nlaps = 3\n"] {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.contains("`[[axis]]`") && error.contains("`seeds`"), "{error}");
         }
