@@ -5,14 +5,14 @@ cd "$(dirname "$0")/.."
 . tests/steps.sh
 
 step tools/setup.sh race test fmu fmu-test
-beside packages sh -c 'tools/setup-lcm.sh && tools/fmu_tools.sh zig python && tools/fmu_tools.sh'
+beside sh -c 'tools/setup-lcm.sh && tools/fmu_tools.sh zig python && tools/fmu_tools.sh'
 if [ "${1:-}" = lints ]; then
     step cargo fmt --check
     # It compiles what the tests do.
     step cargo clippy --workspace --all-targets --release -- -D warnings
 fi
 step cargo test --workspace --release --no-run
-joined packages
+joined
 step tools/build.sh
 export LMPC_BUILT=1
 

@@ -50,8 +50,9 @@ pub(crate) fn bounds(setup: &Setup, outline: Option<&Outline>, x: &State, more: 
     let Some(outline) = outline else {
         return Lane { heading: 0.0, least: margin - right, greatest: left - margin };
     };
-    let [left, right] = room(outline, &setup.track, x);
-    let (kappa, e_psi) = (setup.track.kappa(x.s), x.e_psi.clamp(-ACROSS, ACROSS));
+    let e_psi = x.e_psi.clamp(-ACROSS, ACROSS);
+    let [left, right] = room(outline, &setup.track, &State { e_psi, ..*x });
+    let kappa = setup.track.kappa(x.s);
     let heading = if left - x.e_y < right + x.e_y {
         outline.reach_by_heading(kappa, e_psi, x.e_y)
     } else {
@@ -81,8 +82,7 @@ pub(crate) fn untried(setup: &Setup, laps: u32) -> f64 {
 /// Room on either side of the centre line for the centre of gravity of a car that stands along it, which
 /// leaves the body as far from the edges as that of `x` is \[m\].
 fn room(outline: &Outline, track: &Track, x: &State) -> [f64; 2] {
-    let e_psi = x.e_psi.clamp(-ACROSS, ACROSS);
-    let [left, right] = outline.overhangs(track, &State { e_psi, ..*x });
+    let [left, right] = outline.overhangs(track, x);
     [x.e_y - left, -x.e_y - right].map(|room| room + outline.half_width)
 }
 

@@ -12,7 +12,7 @@ use super::*;
 const INTERVAL: f64 = 0.05;
 /// Speed of the drive [m/s].
 const SPEED: f64 = 1.5;
-/// Laps from line to line: the first, from a start on the line, is none.
+/// Laps from line to line: the first starts on the line and does not count.
 const LAPS: usize = 2;
 /// Line of the first row.
 const FIRST_LINE: usize = 2;

@@ -16,7 +16,7 @@ const MASS: (f64, f64) = (1e-3, 1e6);
 const WHEELBASE_M: (f64, f64) = (5e-3, 50.0);
 /// Friction coefficient: half of wet ice has 0.02, dragsters reach 4.
 const MU: (f64, f64) = (0.01, 5.0);
-/// Shape factor C: a tyre whose curve ends far below its peak, or beyond zero, is none.
+/// Shape factor C: a tyre whose curve ends far below its peak, or beyond zero, is not a tyre's.
 const SHAPE: (f64, f64) = (0.3, 4.0);
 /// Largest slope of the lateral force at zero slip, in peak forces per radian; racing tyres reach 40.
 const MOST_SLOPE: f64 = 200.0;
@@ -31,7 +31,6 @@ const MOST_ACCELERATION: f64 = 100.0;
 pub(super) fn mistakes(car: &CarParams) -> Vec<ParamProblem> {
     let wheelbase = car.wheelbase();
     let gyration = (car.inertia_z / car.mass).sqrt() / wheelbase;
-    let inside = |share: f64, range: (f64, f64)| (range.0..=range.1).contains(&share);
     let checks = [
         (
             "length_m",
@@ -104,10 +103,13 @@ pub(super) fn mistakes(car: &CarParams) -> Vec<ParamProblem> {
     problems
 }
 
+fn inside(value: f64, range: (f64, f64)) -> bool {
+    (range.0..=range.1).contains(&value)
+}
+
 /// What no car has, whatever its size.
 fn beyond(car: &CarParams) -> Vec<ParamProblem> {
     let wheelbase = car.wheelbase();
-    let inside = |value: f64, range: (f64, f64)| (range.0..=range.1).contains(&value);
     // An engine that does not overcome the rolling resistance drives nowhere.
     let push = car.drive_force_max.map_or(f64::INFINITY, |force| force / car.mass).min(car.a_max);
     let strong = |value: Option<f64>| value.is_none_or(|value| value >= LEAST_PER_KG * car.mass);

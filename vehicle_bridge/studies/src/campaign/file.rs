@@ -79,8 +79,9 @@ impl Seeds {
             }
             Self::List(list) => {
                 let mut known = BTreeSet::new();
-                let again = list.iter().find(|seed| !known.insert(**seed));
-                ensure!(again.is_none(), "seeds: {} stands there twice", again.unwrap_or(&0));
+                for seed in list {
+                    ensure!(known.insert(seed), "seeds: {seed} stands there twice");
+                }
                 Ok(list.clone())
             }
         }
