@@ -1,5 +1,5 @@
 #!/bin/sh
-# Racing in real time for an hour: `lmpc serve` through `lmpc bridge`, recorded by `lmpc record`.
+# Racing in real time for an hour, measured with noise: `lmpc serve` through `lmpc bridge`, recorded by `lmpc record`.
 #
 #   tests/interop/endurance.sh [SECONDS] [LMPC]
 #
@@ -20,7 +20,7 @@ rm -rf "$out" && mkdir -p "$out"
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'
 "$lmpc" record "$out/drive.log" 2>"$out/record.txt" &
 record=$!
-"$lmpc" bridge --realtime 2>"$out/bridge.txt" &
+"$lmpc" bridge --realtime --plant noise=0.001 2>"$out/bridge.txt" &
 bridge=$!
 "$lmpc" serve --realtime --learned "$out/learned.lmpc" 2>"$out/serve.txt" &
 serve=$!

@@ -31,11 +31,12 @@ pub fn change_plant(plant: &mut PlantParams, changes: &[String]) -> Result<(), U
         let number: f64 =
             value.parse().map_err(|_| usage(format!("found `{value}`, expected a number")))?;
         set(plant, name.trim(), number).map_err(usage)?;
-        if let Some(problem) = plant.validate().first() {
-            return Err(usage(problem.to_string()));
-        }
     }
-    Ok(())
+    // After the last change: a mass and an inertia are judged together.
+    match plant.validate().first() {
+        Some(problem) => Err(Usage(format!("--plant {}: {problem}", changes.join(",")))),
+        None => Ok(()),
+    }
 }
 
 /// Lays changes over others, which they undo.
@@ -134,7 +135,12 @@ mod tests {
     #[test]
     fn every_name_in_the_message_is_known() {
         for name in NAMES.split(", ") {
-            let plant = changed(&[&format!("{name}=0.5")]).unwrap();
+            let value = match name {
+                "iz" => 0.05,
+                "b_f" | "b_r" => 4.0,
+                _ => 0.5,
+            };
+            let plant = changed(&[&format!("{name}={value}")]).unwrap();
             assert_ne!(plant, changed(&[]).unwrap(), "{name} changes nothing");
         }
     }
@@ -155,6 +161,7 @@ mod tests {
             overlay_changes(&mut laid, &[changes[1].to_owned()]).unwrap();
             assert_eq!(laid, [changes[1]]);
         }
+        assert!(changed(&["mass=22", "iz=0.27"]).is_ok() && changed(&["iz=2.7"]).is_err());
         let both = changed(&["mu=0.7", "mu_f=0.6"]).unwrap().car;
         assert_eq!((both.tyre_front.mu, both.tyre_rear.mu), (0.6, 0.7));
     }
@@ -164,6 +171,7 @@ mod tests {
         for (change, reason) in [
             ("mu=-1", "tyre_front.mu"),
             ("mass=0", "mass_kg"),
+            ("mass=1e5", "inertia_z_kgm2"),
             ("mu", "NAME=VALUE"),
             ("mu=fast", "`fast`"),
             ("grip=1", "`grip`"),

@@ -335,7 +335,9 @@ impl Safety {
                 (brake, source)
             }
         };
-        let slow = driven.is_some() && self.doubt.finding.reaction() >= Reaction::SlowDown;
+        let crawls = rules.doubt.is_none_or(|limits| self.estimate.v_x < limits.crawl);
+        let doubted = self.doubt.finding.reaction() >= Reaction::SlowDown;
+        let slow = driven.is_some() && doubted && !crawls;
         let asked = if slow { Input { a: asked.a.min(0.0), ..asked } } else { asked };
         let cap = self.speed_cap.unwrap_or(f64::INFINITY).min(rules.limiter.speed_cap);
         let limiter = vehicle_model::Limiter { speed_cap: cap, ..rules.limiter };

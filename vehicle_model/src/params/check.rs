@@ -35,9 +35,16 @@ impl fmt::Display for ParamProblem {
 }
 
 impl CarParams {
-    /// Every value that is out of range, with its key in the car file; empty when all is well.
+    /// Every value that is out of range or, where all are in theirs, that no car has beside the others,
+    /// with its key in the car file; empty when all is well.
     #[must_use]
     pub fn validate(&self) -> Vec<ParamProblem> {
+        let problems = self.out_of_range();
+        if problems.is_empty() { super::units::mistakes(self) } else { problems }
+    }
+
+    /// Every value outside the range of its own key.
+    pub(super) fn out_of_range(&self) -> Vec<ParamProblem> {
         let mut problems = Vec::new();
         for key in CarGroup::ALL.into_iter().flat_map(CarGroup::keys) {
             let Some(value) = (key.get)(self).filter(|value| !key.range.holds(*value)) else {

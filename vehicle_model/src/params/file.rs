@@ -110,9 +110,10 @@ impl CarParams {
                 (key.set)(&mut car, Some(0.0));
             }
         }
-        problems.extend(car.validate());
         if problems.is_empty() {
-            problems.extend(super::units::mistakes(&car));
+            problems.extend(car.validate());
+        } else {
+            problems.extend(car.out_of_range());
         }
         for problem in &mut problems {
             problem.line = line_of_key(text, problem.section, problem.key);

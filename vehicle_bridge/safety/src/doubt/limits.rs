@@ -29,6 +29,9 @@ pub struct DoubtLimits {
     pub yaw_rate: f64,
     /// A disagreement of twice its limit is doubted after this long. \[s\]
     pub patience: f64,
+    /// Up to this speed a doubted car may still be accelerated: one that was armed askew has to turn
+    /// round. \[m/s\]
+    pub crawl: f64,
 }
 
 impl DoubtLimits {
@@ -53,6 +56,8 @@ impl DoubtLimits {
             steer: 0.05,
             yaw_rate: 0.15,
             patience: 0.1,
+            // Full braking stops the car within half the width of its body.
+            crawl: (-car.a_min * car.width).sqrt(),
         }
     }
 }

@@ -59,7 +59,7 @@ pub enum Reaction {
     None,
     /// It is named in status and logs.
     Report,
-    /// The car is not accelerated.
+    /// The car is not accelerated above a crawl, [`DoubtLimits::crawl`].
     SlowDown,
     /// The car is stopped.
     Stop,

@@ -271,3 +271,66 @@ fn a_stop_without_states_stays_on_the_track() {
     // At the edge of what braking along the track can do, with a last state that was noisy.
     assert!(worst < 0.05, "{worst:.2} m out");
 }
+
+/// What is sent of a full throttle to a car that rolls at `speed` across the track. \[m/s^2\]
+fn throttle_across_the_track(speed: f64) -> f64 {
+    let car = CarParams::builtin("barc").unwrap();
+    let track = Arc::new(Track::builtin("l").unwrap());
+    let rules = Rules { ready_ns: 0, ..Rules::new(&car, &track, 10 * MS) };
+    let mut safety = Safety::default();
+    let mut now = MS;
+    let across = |at: f64| State { v_x: speed, e_psi: 1.45, s: 1.0, e_y: at, ..State::default() };
+    let arm = Order {
+        kind: OrderKind::Arm { moving: true, controller: BootId::NONE },
+        token: token(9),
+        deadman: false,
+        fresh: token(9),
+    };
+    let start = Order { kind: OrderKind::Start, ..arm };
+    for event in [
+        BridgeEvent::State(across(0.0), 2),
+        BridgeEvent::Heartbeat(CONTROLLER),
+        BridgeEvent::Setup(CONTROLLER, rules.setup),
+        BridgeEvent::Order(arm),
+        BridgeEvent::Order(start),
+        BridgeEvent::Published(number(1)),
+    ] {
+        safety = step(&rules, &safety, &event, now).0;
+    }
+    now += 10 * MS;
+    let offer = DecodedCommand {
+        boot_id: CONTROLLER,
+        seq: number(1),
+        arrival: time(now),
+        since: time(now),
+        answers: Some(number(1)),
+        token: token(9),
+        drives: true,
+        input: Input { a: car.a_max, delta: 0.0 },
+        valid_for_ns: 100 * MS,
+        ..DecodedCommand::default()
+    };
+    for event in [
+        BridgeEvent::State(across(speed * TICK), 2),
+        BridgeEvent::Published(number(2)),
+        BridgeEvent::Command(&offer),
+    ] {
+        safety = step(&rules, &safety, &event, now).0;
+    }
+    assert_eq!(safety.finding().what, Suspicion::WrongWay);
+    assert_eq!(safety.finding().reaction(), Reaction::SlowDown);
+    let (safety, output) = step(&rules, &safety, &BridgeEvent::Tick, now);
+    assert_eq!(safety.bridge_state(), BridgeState::Running);
+    output.applied.sent.a
+}
+
+#[test]
+fn a_doubted_car_is_accelerated_up_to_a_crawl_and_no_further() {
+    let car = CarParams::builtin("barc").unwrap();
+    let crawl = DoubtLimits::new(&car, &Track::builtin("l").unwrap()).crawl;
+    assert!((0.5 * crawl * crawl / -car.a_min - 0.5 * car.width).abs() < 1e-12, "{crawl} m/s");
+    for standing in [0.0, 0.99 * crawl] {
+        assert!(throttle_across_the_track(standing) > 0.5, "{standing} m/s");
+    }
+    assert!(throttle_across_the_track(1.01 * crawl) <= 0.0);
+}
