@@ -6,7 +6,7 @@
 //! to another car through the ratios of these scales. What a scale cannot know, the car's file
 //! says: the tyres' peak slip, the body, the brakes and the steering stop.
 
-use vehicle_model::{CarParams, GRAVITY, RoadPoint, Track, Tyre};
+use vehicle_model::{CarParams, GRAVITY, RoadPoint, Track, Tracker, Tyre};
 
 use crate::config::Config;
 use crate::presets::Preset;
@@ -35,6 +35,10 @@ const LAGGING_SLIP: f64 = 10.0;
 /// Lag, as a share of the sampling period, beyond which a fit of the grip from slow laps takes the
 /// blurred inputs for grip.
 const LAG_SHARE: f64 = 0.5;
+/// Standard deviation by which excitation leads the car astray, at most, as a share of the room beside its
+/// body where the track is narrowest; and places at which that is looked for.
+const ASTRAY: f64 = 0.125;
+const PLACES: u32 = 1000;
 /// Speed of the initial laps as a share of the mean speed that grip and drive allow.
 const WARM_UP_SHARE: f64 = 0.3;
 
@@ -92,7 +96,10 @@ impl Config {
             config.horizon.period = period / 1e3;
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap);
-            config.warm_up.speed = round(WARM_UP_SHARE * lap.mean);
+            let warm_up = &mut config.warm_up;
+            warm_up.speed = round(WARM_UP_SHARE * lap.mean);
+            let most = most_excitation(car, track, warm_up.speed, config.horizon.period);
+            warm_up.noise_delta = warm_up.noise_delta.min(most);
         }
         config
     }
@@ -148,6 +155,18 @@ impl Config {
         self.warm_up.noise_a *= acceleration;
         self.warm_up.noise_delta *= car.delta_max / 0.436;
     }
+}
+
+/// Greatest excitation of the steering in the initial laps \[rad\]. White noise of the steering angle leads
+/// the tracked car astray, `e_y'' = -e_y / r^2 - 2 e_y' / r + delta / l` along its path, by the standard
+/// deviation `sigma_delta sqrt(v dt r^3) / (2 l)`.
+fn most_excitation(car: &CarParams, track: &Track, speed: f64, dt: f64) -> f64 {
+    let reach = Tracker::new(car).reach(speed);
+    let astray = 0.5 * (speed * dt * reach.powi(3)).sqrt() / car.wheelbase();
+    let width = |s: f64| track.width_left(s).min(track.width_right(s));
+    let places = (0..PLACES).map(|i| track.length() * f64::from(i) / f64::from(PLACES));
+    let room = places.map(width).fold(f64::INFINITY, f64::min) - 0.5 * car.width;
+    ASTRAY * room.max(0.0) / astray
 }
 
 /// What is kept free beside the body \[m\]: a share of its width, and what an error of heading leads

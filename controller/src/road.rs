@@ -16,13 +16,18 @@
 //! once, and the rest in the next period, as far as that period says the same.
 //!
 //! A lower share comes into force as soon as G_h is clear; a higher one a little with each period in
-//! which it is.
+//! which it is. A lap that was driven wholly since the last fall corrects the share
+//! ([`lap_end`](crate::lap_end)): the learned error of its data explains away what the bank would see.
 //!
 //! While the whole grip is in force and explains the motion (c_in_force and all G_h below QUIET) no other
 //! hypothesis is driven: it would gain less than QUIET of the evidence that is CLEAR.
 
+mod history;
+
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Discretized, GRAVITY, Input, State};
+
+use history::ShareHistory;
 
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::Controller;
@@ -69,6 +74,8 @@ const BEFORE: usize = 2;
 pub(crate) struct Road {
     /// Share of the fitted grip in force.
     pub(crate) share: f64,
+    /// What it rises to, where the laps since the last fall say a higher one.
+    goal: Option<f64>,
     /// G_h.
     sums: [f64; FACTORS.len()],
     /// What of g_h in the last period has not counted yet.
@@ -80,51 +87,53 @@ pub(crate) struct Road {
     proved: f64,
     /// Steps for which a fall is fresh.
     pub(crate) fresh: u32,
-    /// Where in the data another share began: lap, sample, share.
-    pub(crate) changes: Vec<Change>,
-}
-
-/// A change of the share.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Change {
-    lap: usize,
-    sample: usize,
-    share: f64,
+    /// Where in the data another share began.
+    pub(crate) history: ShareHistory,
 }
 
 impl Default for Road {
     fn default() -> Self {
         Self {
             share: 1.0,
+            goal: None,
             sums: [0.0; FACTORS.len()],
             uncounted: [0.0; FACTORS.len()],
             variance: [0.0; 2],
             count: 0.0,
             proved: 0.0,
             fresh: 0,
-            changes: Vec::new(),
+            history: ShareHistory::default(),
         }
     }
 }
 
 impl Road {
-    /// Share of the fitted grip with which this sample was driven.
-    pub(crate) fn at(&self, lap: usize, sample: usize) -> f64 {
-        let before = |change: &&Change| (change.lap, change.sample) <= (lap, sample);
-        self.changes.iter().rev().find(before).map_or(1.0, |change| change.share)
-    }
-
     /// Another share from this sample on.
     fn change(&mut self, share: f64, lap: usize, sample: usize) {
         if share < self.share {
             (self.fresh, self.proved, self.count) = (FRESH, 0.0, KNOWN);
+            self.goal = None;
         }
         self.share = share;
-        while self.changes.last().is_some_and(|last| (last.lap, last.sample) >= (lap, sample)) {
-            self.changes.pop();
-        }
-        self.changes.push(Change { lap, sample, share });
+        self.history.change(share, (lap, sample));
         (self.sums, self.uncounted) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
+    }
+
+    /// The share since the last fall is another: a lower one comes into force at once, a higher one is
+    /// given back a little in each period.
+    pub(crate) fn revise(&mut self, share: f64) {
+        self.history.revise(share);
+        self.goal = Some(share).filter(|share| *share > self.share);
+        self.share = self.share.min(share);
+        (self.sums, self.uncounted) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
+    }
+
+    /// Gives back what one period may; false if there is nothing to give back.
+    fn rise(&mut self) -> bool {
+        let Some(goal) = self.goal else { return false };
+        self.share = (self.share + RISE).min(goal);
+        self.goal = Some(goal).filter(|goal| *goal > self.share);
+        true
     }
 
     /// Variances of the residuals of the share in force, none below that of `floor`.
@@ -194,7 +203,7 @@ impl Road {
             let held = wanted > self.proved || self.sums[best] > SURE;
             return (held && wanted < self.share * (1.0 - least)).then_some(wanted);
         }
-        slippery.then(|| wanted.min(self.share + RISE).min(1.0))
+        (slippery && self.goal.is_none()).then(|| wanted.min(self.share + RISE).min(1.0))
     }
 
     /// Takes residuals of the share in force into their variances, which were `variance`.
@@ -245,6 +254,9 @@ impl Controller {
     /// Takes in how the car went on from `last` to `now` with an input, one period later. After a change
     /// the problem is to be prepared anew.
     pub(crate) fn observe_road(&mut self, last: &State, now: &State, u: &Input) {
+        if self.memory.road.rise() {
+            self.apply_road();
+        }
         let setup = &self.setup;
         let road = setup.track.friction(last.s);
         let scales = crate::derive::Scales::new(&setup.car);
@@ -297,6 +309,13 @@ impl Controller {
             (self.memory.dataset.laps.len(), self.memory.dataset.current.samples.len());
         let began = if wanted < share { BEFORE } else { 1 };
         self.memory.road.change(wanted, lap, sample.saturating_sub(began));
+        if wanted < share {
+            self.forget_share();
+        }
+        self.apply_road();
+    }
+
+    fn apply_road(&mut self) {
         self.apply_learned();
         self.make_road_speed();
         self.prepared = false;

@@ -20,11 +20,17 @@ const STEER_ASTRAY: f64 = 0.02;
 const LOOKED_AT: f64 = 20.0;
 /// Share of the tyres' grip that braking may use.
 const BRAKE_SHARE: f64 = 0.8;
+/// Share of the tyres' grip up to which slip grows about linearly with the lateral acceleration.
+const LINEAR_SHARE: f64 = 0.5;
 
 /// Tracking law of a car.
 #[derive(Debug, Clone)]
 pub struct Tracker {
     wheelbase: f64,
+    /// Centre of gravity to rear axle \[m\].
+    l_r: f64,
+    /// Slip angles of front and rear axle for each lateral acceleration \[rad s^2/m\].
+    slip: [f64; 2],
     /// Lateral acceleration the tyres hold [m/s^2].
     grip: f64,
     /// Rate of the steering, where it is limited \[rad/s\].
@@ -40,6 +46,8 @@ impl Tracker {
         let mu = car.tyre_front.mu.min(car.tyre_rear.mu);
         Self {
             wheelbase: car.l_f + car.l_r,
+            l_r: car.l_r,
+            slip: [&car.tyre_front, &car.tyre_rear].map(|t| 1.0 / (GRAVITY * t.mu * t.b * t.c)),
             grip: 9.81 * mu,
             steering_rate: car.delta_rate_max,
             least: Input { a: car.a_min, delta: -car.delta_max },
@@ -53,7 +61,16 @@ impl Tracker {
         let climb = if track.is_flat() { 0.0 } else { GRAVITY * libm::sin(track.slope(x.s)) };
         let wanted = self.speed_loop(x, v_ref.min(self.bend_speed(x, track))) + climb;
         let a = wanted.clamp(self.least.a, self.most.a);
-        Input { a: a.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
+        let [side_slip, more] = self.steady_bend(x, track);
+        let delta = self.steer(x, track, side_slip) + more;
+        let delta = delta.clamp(self.least.delta, self.most.delta);
+        Input { a: a.max(self.hardest_brake(x, track)), delta }
+    }
+
+    /// Distance over which a deviation decays at a speed \[m\].
+    #[must_use]
+    pub fn reach(&self, v: f64) -> f64 {
+        (REACH_WHEELBASES * self.wheelbase).max(REACH_TIME * v)
     }
 
     /// Acceleration towards a speed.
@@ -109,21 +126,33 @@ impl Tracker {
         rate / (self.wheelbase * turned) * length.max((6.0 * astray / turned).sqrt())
     }
 
-    /// Brakes along the centre line, as hard as cornering leaves grip for.
+    /// Brakes along the centre line, as hard as cornering leaves grip for. At the limit of grip, where a stop may
+    /// begin, the front axle has nothing to add to a bend: only the path steers.
     #[must_use]
     pub fn brake(&self, x: &State, track: &Track) -> Input {
         let stopping = (-x.v_x / SPEED_TIME).clamp(self.least.a, 0.0);
-        Input { a: stopping.max(self.hardest_brake(x, track)), delta: self.steer(x, track) }
+        Input { a: stopping.max(self.hardest_brake(x, track)), delta: self.steer(x, track, 0.0) }
     }
 
     /// Path curvature with which e_y decays critically damped over the reach:
-    /// e_y'' = -e_y / r^2 - 2 e_y' / r, derivatives along the path.
-    fn steer(&self, x: &State, track: &Track) -> f64 {
-        let reach = (REACH_WHEELBASES * self.wheelbase).max(REACH_TIME * x.v_x);
-        let kappa = track.kappa(x.s);
-        let parallel = kappa / (1.0 - kappa * x.e_y).max(0.2);
-        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * libm::sin(x.e_psi) / reach;
+    /// e_y'' = -e_y / r^2 - 2 e_y' / r, derivatives along the path; `side_slip` is the body's \[rad\].
+    fn steer(&self, x: &State, track: &Track, side_slip: f64) -> f64 {
+        let reach = self.reach(x.v_x);
+        let parallel = parallel(x, track);
+        let course = x.e_psi + side_slip;
+        let wanted = parallel - x.e_y / (reach * reach) - 2.0 * libm::sin(course) / reach;
         libm::atan(self.wheelbase * wanted).clamp(self.least.delta, self.most.delta)
+    }
+
+    /// Side slip `l_r kappa - alpha_r` of the body in a steady bend, and the angle `alpha_f - alpha_r` by which the
+    /// wheels turn more than the path (Rajamani, Vehicle Dynamics and Control, ch. 3) \[rad\]. Left to the
+    /// feedback, both would be paid for with e_y.
+    fn steady_bend(&self, x: &State, track: &Track) -> [f64; 2] {
+        let kappa = parallel(x, track);
+        let linear = LINEAR_SHARE * self.grip;
+        let lateral = (x.v_x * x.v_x * kappa).clamp(-linear, linear);
+        let [front, rear] = self.slip.map(|slip| slip * lateral);
+        [self.l_r * kappa - rear, front - rear]
     }
 
     /// Friction circle: what the lateral acceleration leaves of the grip.
@@ -135,4 +164,10 @@ impl Tracker {
         let left = (self.grip * self.grip - lateral * lateral).max(0.0).sqrt();
         (BRAKE_SHARE * left).max(0.1 * self.grip)
     }
+}
+
+/// Curvature of the line through the car that is parallel to the centre line \[1/m\].
+fn parallel(x: &State, track: &Track) -> f64 {
+    let kappa = track.kappa(x.s);
+    kappa / (1.0 - kappa * x.e_y).max(0.2)
 }

@@ -116,7 +116,7 @@ section! {
         from car "that of the preset in the car's scale of acceleration";
     /// Standard deviation of the noise on the steering angle.
     noise_delta "noise_delta_rad": f64, symbol "", unit "rad", range (0.0, 0.5),
-        from car "a share of the steering lock";
+        from car_and_track "a share of the steering lock, less where the track leaves little room beside the body";
     /// Seed of that noise.
     seed "seed": u64, symbol "", unit "", range (), from preset;
 }

@@ -28,7 +28,7 @@ pub(crate) use smooth::{Smoothing, Step};
 /// Variance of a velocity nobody measured, in squared speeds sqrt(mu g l) of the car.
 const UNKNOWN: f64 = 4.0;
 /// Target noise at which the ridge weight is 1, as a share of the speed sqrt(mu g l).
-const RIDGE_NOISE: f64 = 0.036;
+const RIDGE_NOISE: f64 = 0.015;
 
 /// What the filter knows of the car and its sensors.
 #[derive(Debug, Clone)]

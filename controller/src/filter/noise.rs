@@ -32,12 +32,14 @@ const CLIP: f64 = 4.0;
 const NOISY: f64 = 2e-3;
 /// The same where the residuals are noise for the most part, and no error of the model.
 const CLEARLY_NOISY: f64 = 5e-4;
-/// Share that noise then has in the variance of the residuals; noise alone has half.
-const CLEAR: f64 = 0.3;
+/// Share that noise then has in the variance of the residuals, R + A R A'.
+const CLEAR: f64 = 0.6;
 /// Least feedback of such a row on itself.
 const OWN: f64 = 0.5;
 /// Rows of the velocities.
 const VELOCITIES: [usize; 3] = [0, 1, 2];
+/// Rows of the place.
+const POSITION: [usize; 2] = [4, 5];
 /// Rows that the model carries on: v_x and the pose.
 const SLOW: [usize; 4] = [0, 3, 4, 5];
 /// Variances of noise that go together differ at most by this factor.
@@ -57,6 +59,8 @@ pub(crate) struct Noise {
     c_1: [f64; 6],
     c_2: [f64; 6],
     a: [f64; 6],
+    /// Squares of the entries of A in the rows of s and e_y.
+    spread: [[f64; 6]; 2],
     last: Option<[f64; 6]>,
     before: Option<[f64; 6]>,
     /// Whether the position is noisy enough to be filtered.
@@ -101,11 +105,21 @@ impl Noise {
             self.c_2[i] += share * (d[i] * before[i] - self.c_2[i]);
             self.a[i] += share * (a[(i, i)] - self.a[i]);
         }
+        for (row, spread) in POSITION.into_iter().zip(&mut self.spread) {
+            for (i, square) in spread.iter_mut().enumerate() {
+                *square += share * (a[(row, i)] * a[(row, i)] - *square);
+            }
+        }
         let held = if self.noisy { 0.5 } else { 1.0 };
-        let position = [4, 5].map(|i| (self.row(i).0, self.c_0[i]));
-        let clear = position.iter().all(|(r, c_0)| *r > held * CLEAR * c_0);
+        let noise: [f64; 6] = std::array::from_fn(|i| self.row(i).0);
+        // Where v_y and omega_z leave the model at once, their noise is not told from errors of the model.
+        let carried = self.spread.map(|a| SLOW.iter().map(|i| a[*i] * noise[*i]).sum::<f64>());
+        let clear = POSITION
+            .into_iter()
+            .zip(carried)
+            .all(|(i, carried)| noise[i] + carried > held * CLEAR * self.c_0[i]);
         let least = held * length * if clear { CLEARLY_NOISY } else { NOISY };
-        self.noisy = self.count >= LEAST && position.iter().all(|(r, _)| r.sqrt() > least);
+        self.noisy = self.count >= LEAST && POSITION.iter().all(|i| noise[*i].sqrt() > least);
     }
 
     /// Noise and model error of a row.

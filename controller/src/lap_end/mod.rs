@@ -13,6 +13,7 @@
 //! horizon costs. Grip, regression data, envelope and safe set change together with the last piece:
 //! a safe set that is faster than the envelope allows leads plans astray.
 
+mod grip;
 mod restore;
 #[cfg(test)]
 mod tests;
@@ -23,11 +24,11 @@ use actuators::Actuators;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, Outline, State};
 
-use crate::config::{NominalModel, RegressionMode};
+use crate::config::RegressionMode;
 use crate::controller::{Controller, Setup};
 use crate::learning::dataset::{Lap, Sample, select};
 use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
-use crate::learning::grip::{self, Fit};
+use crate::learning::grip::Fit;
 use crate::learning::regression::{RegressionData, Target, leap_order};
 use crate::learning::road_speed::RoadSpeed;
 use crate::memory::Inherited;
@@ -52,6 +53,8 @@ pub(crate) struct LapEnd {
     fit: Fit,
     /// Grip in the making.
     grip: [f64; 2],
+    /// Share of it since the last fall, in the making.
+    share: Option<f64>,
     /// Near misses of the latest laps.
     misses: Vec<NearMiss>,
     /// Regression data in the making, where those in force cannot grow.
@@ -77,6 +80,7 @@ enum Stage {
     Idle,
     Misses,
     Fit,
+    FitShare,
     Data,
     Envelope,
 }
@@ -148,6 +152,7 @@ impl Controller {
             Stage::Idle => self.begin_learning(),
             Stage::Misses => self.search_misses(piece),
             Stage::Fit => self.fit_grip(piece),
+            Stage::FitShare => self.fit_share(piece),
             Stage::Data => self.take_data(piece),
             Stage::Envelope => self.change_over(),
         }
@@ -192,55 +197,12 @@ impl Controller {
         self.choose_samples();
     }
 
-    /// Begins the fit of the grip, if it is wanted.
-    fn choose_samples(&mut self) {
-        let nominal = &self.setup.config.nominal;
-        let work = &mut self.memory.lap_end;
-        work.grip = self.memory.grip;
-        if work.fitted || !nominal.adapt_grip || nominal.model != NominalModel::Dynamic {
-            return self.begin_data();
-        }
-        if self.memory.estimate.filters() {
-            if let Some(fitted) = self.memory.grip_sums.grip()
-                && grip::differ(fitted, self.memory.grip)
-            {
-                work.grip = fitted;
-            }
-            return self.begin_data();
-        }
-        // A driver's laps are too slow and their noise is unknown: they say little of grip.
-        let laps = self.memory.dataset.laps[..work.laps].iter().enumerate().rev();
-        let own = laps.filter(|(_, lap)| lap.result.kind != LapKind::Driven);
-        // What a slippery road did says nothing of the grip without it.
-        let road = &self.memory.road;
-        let samples = own.flat_map(|(i, lap)| {
-            let samples = lap.samples.iter().enumerate().rev();
-            samples.filter(move |(k, _)| road.at(i, *k) > DRY).map(|(_, sample)| sample)
-        });
-        let (filter, estimate) = (&self.setup.filter, &self.memory.estimate);
-        let noise = filter.as_ref().map(|filter| filter.velocity_noise(estimate));
-        work.fit.begin(work.grip, samples, noise.unwrap_or_default());
-        work.stage = Stage::Fit;
-    }
-
-    fn fit_grip(&mut self, piece: usize) {
-        let work = &mut self.memory.lap_end;
-        let (done, fitted) = work.fit.advance(&self.setup.model, &self.setup.track, piece);
-        work.done += done;
-        let Some(fitted) = fitted else { return };
-        // A new grip invalidates all residuals, so changes too small to matter are ignored.
-        if grip::differ(fitted, self.memory.grip) {
-            work.grip = fitted;
-        }
-        self.begin_data();
-    }
-
     /// Data in force that lack nothing but laps grow; others are made anew beside them.
     pub(crate) fn begin_data(&mut self) {
         let work = &mut self.memory.lap_end;
         let first = self.setup.first_lap(work.laps);
         let same = self.setup.first_lap(work.learned) == first && work.grip == self.memory.grip;
-        let grows = same && work.learned > 0;
+        let grows = same && work.learned > 0 && work.share.is_none();
         work.data = (!grows).then(|| Arc::new(RegressionData::new(&self.setup.config.regression)));
         (work.lap, work.at) = (if grows { work.learned } else { first }, 0);
         work.stage = Stage::Data;
@@ -260,7 +222,8 @@ impl Controller {
                 let data = work.data.as_mut().unwrap_or(&mut self.memory.derived.regression);
                 // A snapshot that shares them keeps its own.
                 let memory = (&mut work.points, &mut work.targets);
-                let share = |sample| self.memory.road.at(work.lap, sample);
+                let history = &self.memory.road.history;
+                let share = |sample| history.at_revised(work.lap, sample, work.share);
                 self.setup.add(Arc::make_mut(data), lap, range, (work.grip, &share), memory);
                 if piece == 0 {
                     return;
@@ -283,6 +246,9 @@ impl Controller {
         let remembered = work.laps.saturating_sub(REMEMBERED);
         work.misses.retain(|miss| miss.lap >= remembered);
         self.memory.grip = work.grip;
+        if let Some(share) = work.share.take() {
+            self.memory.road.revise(share);
+        }
         if let Some(data) = work.data.take() {
             self.memory.derived.regression = data;
         }
@@ -326,7 +292,7 @@ impl Controller {
         let (memory, Setup { car, track, .. }) = (&self.memory, &self.setup);
         let best = memory.selected.first().filter(|_| memory.road.share < DRY);
         let bound = best.map(|&best| {
-            let driven = |sample| memory.road.at(best, sample);
+            let driven = |sample| memory.road.history.at(best, sample);
             let grip = (memory.grip, memory.road.share);
             RoadSpeed::new(car, track, grip, &memory.dataset.laps[best], driven)
         });

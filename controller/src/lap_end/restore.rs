@@ -13,12 +13,12 @@ impl Controller {
         let learned = self.memory.lap_end.learned;
         let first = self.setup.first_lap(learned);
         let mut data = RegressionData::new(&self.setup.config.regression);
-        self.refill(&mut data, first..learned, 0, self.memory.grip);
+        self.refill(&mut data, first..learned, 0, self.memory.grip, None);
         self.memory.derived.regression = Arc::new(data);
         if learned > 0 {
             self.make_envelope();
         }
-        let LapEnd { stage, lap, at, grip, .. } = self.memory.lap_end;
+        let LapEnd { stage, lap, at, grip, share, .. } = self.memory.lap_end;
         if !matches!(stage, Stage::Data | Stage::Envelope) {
             return;
         }
@@ -29,7 +29,7 @@ impl Controller {
         let mut growing = self.memory.lap_end.data.take();
         let data = growing.as_mut().unwrap_or(&mut self.memory.derived.regression);
         let mut data = std::mem::take(data);
-        self.refill(Arc::make_mut(&mut data), begun..lap, at, grip);
+        self.refill(Arc::make_mut(&mut data), begun..lap, at, grip, share);
         match &mut growing {
             Some(growing) => *growing = data,
             None => self.memory.derived.regression = data,
@@ -44,11 +44,12 @@ impl Controller {
         laps: std::ops::Range<usize>,
         at: usize,
         grip: [f64; 2],
+        revised: Option<f64>,
     ) {
         let (mut points, mut targets) = (Vec::new(), Vec::new());
         let mut add = |data: &mut RegressionData, index: usize, count: Option<usize>| {
             let lap = &self.memory.dataset.laps[index];
-            let share = |sample| self.memory.road.at(index, sample);
+            let share = |sample| self.memory.road.history.at_revised(index, sample, revised);
             let count = count.unwrap_or(lap.samples.len());
             self.setup.add(data, lap, 0..count, (grip, &share), (&mut points, &mut targets));
         };

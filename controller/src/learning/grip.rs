@@ -19,7 +19,7 @@ const LATEST: usize = 1500;
 const USED: usize = 256;
 /// Scales of the residuals of v_x, v_y [m/s] and omega_z [rad/s].
 pub(crate) const SCALES: [f64; 3] = [0.05, 0.05, 0.3];
-/// Weight of the pull towards factor 1, for [`LATEST`] samples.
+/// Weight of the pull towards the first guess.
 const PULL: f64 = 0.1;
 /// The same where residuals are noise: slow laps say little of the grip, and noise would be taken
 /// for it.
@@ -47,16 +47,19 @@ pub(crate) struct Fit {
     rows: Vec<[f64; 3]>,
     /// Grip of the linearisation.
     grip: [f64; 2],
+    /// What the pull goes to.
+    toward: [f64; 2],
     round: u32,
     scales: [f64; 3],
     pull: f64,
 }
 
 impl Fit {
-    /// Chooses among `samples`, latest first; `noise` are the variances of the velocities as measured.
+    /// Begins at `grip`, with a pull `toward` another, and chooses among `samples`, latest first; `noise` are the variances of the velocities as measured.
     pub(crate) fn begin<'a>(
         &mut self,
         grip: [f64; 2],
+        toward: [f64; 2],
         samples: impl Iterator<Item = &'a Sample>,
         noise: [f64; 3],
     ) {
@@ -79,7 +82,7 @@ impl Fit {
         self.measured.clear();
         self.measured.extend(chosen.iter().map(|(_, next)| *next));
         self.rows.clear();
-        (self.grip, self.round) = (grip, 0);
+        (self.grip, self.toward, self.round) = (grip, toward, 0);
     }
 
     /// Linearises `piece` more samples, and solves after the last; gives the number of samples, and the factors
@@ -114,7 +117,7 @@ impl Fit {
         let mut grip = from;
         for _ in 0..STEPS {
             let mut hessian = Matrix2::identity() * self.pull;
-            let mut gradient = (Vector2::repeat(1.0) - grip) * self.pull;
+            let mut gradient = (Vector2::from(self.toward) - grip) * self.pull;
             for [r, front, rear] in &self.rows {
                 let j = Vector2::new(*front, *rear);
                 let r = r - j.dot(&(grip - from));
@@ -174,7 +177,7 @@ mod tests {
 
     fn fitted(model: &Discretized, track: &Track, samples: &[Sample], piece: usize) -> [f64; 2] {
         let mut fit = Fit::default();
-        fit.begin(model.model.grip, samples.iter().rev(), [0.0; 3]);
+        fit.begin(model.model.grip, [1.0; 2], samples.iter().rev(), [0.0; 3]);
         for _ in 0..10_000 {
             let (done, found) = fit.advance(model, track, piece);
             assert!(done <= piece);

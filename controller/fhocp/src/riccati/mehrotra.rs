@@ -27,8 +27,11 @@ const SHORT: f64 = 0.2;
 const RECENTRING: f64 = 0.5;
 /// Least gap aimed at, in units of the tolerance.
 const LEAST_TARGET: f64 = 0.1;
-/// Iterations without progress before giving up.
+/// Iterations without progress before giving up: the error is not the least so far, and the violation of
+/// the rows no less than this part of the least. From a start that is far outside of the rows, gaps grow
+/// until these are met.
 const PATIENCE: u32 = 12;
+const LESS_VIOLATED: f64 = 0.98;
 /// Error below which a solution that missed the tolerance is still called almost solved.
 const REDUCED_TOLERANCE: f64 = 1e-5;
 /// A last step of the first input by more than this is followed by another: where the cost is flat
@@ -127,25 +130,29 @@ impl Work {
         self.start(problem);
         let mut running = true;
         let mut least = f64::INFINITY;
-        let mut since = 0;
+        let (mut since, mut idle) = (0, 0);
+        let mut least_violation = f64::INFINITY;
         let mut input_settled = false;
         let mut iterations = 0;
         while running {
             let residuals = self.residuals(problem);
             let error = if self.point.is_finite() { residuals.worst() } else { f64::NAN };
             if error < least {
-                (least, since) = (error, 0);
+                (least, since, idle) = (error, 0, 0);
                 input_settled = iterations > 0 && self.direction.u[0].amax() <= SETTLED;
                 self.best.copy(&self.point);
             } else {
-                since += 1;
+                (since, idle) = (since + 1, idle + 1);
+            }
+            if residuals.primal < LESS_VIOLATED * least_violation {
+                (least_violation, idle) = (residuals.primal, 0);
             }
             let settled = since > 0 || input_settled;
             if since > 0 && least <= STALLED && input_settled {
                 break;
             }
             // An error that is not finite fails every comparison.
-            if least <= termination.tolerance && settled || !error.is_finite() || since > PATIENCE {
+            if least <= termination.tolerance && settled || !error.is_finite() || idle > PATIENCE {
                 break;
             }
             if iterations == termination.max_iterations {
