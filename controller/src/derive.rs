@@ -269,3 +269,52 @@ fn instability(car: &CarParams, top: f64) -> f64 {
     };
     (1..=50).map(|i| rate(top * f64::from(i) / 50.0)).fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use rand::SeedableRng as _;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    use super::*;
+
+    const OVAL: &str = "name = \"oval\"\nwidth_left_m = 0.1\nwidth_right_m = 0.1\n
+        [[segment]]\nlength_m = 4.0\n[[segment]]\nlength_m = 3.141592653589793\nradius_m = 1.0\n
+        [[segment]]\nlength_m = 4.0\n[[segment]]\nlength_m = 3.141592653589793\nradius_m = 1.0\n";
+
+    /// Noise of the steering in the path's own equation, step by step.
+    #[test]
+    fn excitation_leads_the_car_astray_by_a_share_of_the_room() {
+        let (car, track) = (CarParams::builtin("mini").unwrap(), Track::from_toml(OVAL).unwrap());
+        let (speed, dt) = (1.1, 0.056);
+        let sigma = most_excitation(&car, &track, speed, dt);
+        let reach = Tracker::new(&car).reach(speed);
+        let mut random = rand_pcg::Pcg64::seed_from_u64(1);
+        let (mut e_y, mut slope, mut squares) = (0.0_f64, 0.0, 0.0);
+        let (steps, fine) = (100_000, 10);
+        let ds = speed * dt / f64::from(fine);
+        for _ in 0..steps {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            for _ in 0..fine {
+                let turn = sigma * noise / car.wheelbase();
+                slope += ds * (turn - e_y / (reach * reach) - 2.0 * slope / reach);
+                e_y += ds * slope;
+            }
+            squares += e_y * e_y;
+        }
+        let deviation = (squares / f64::from(steps)).sqrt();
+        let room = 0.1 - 0.5 * car.width;
+        assert!((deviation / (ASTRAY * room) - 1.0).abs() < 0.1, "{deviation} of {room} m");
+    }
+
+    #[test]
+    fn only_a_narrow_track_takes_excitation_away() {
+        let car = CarParams::builtin("mini").unwrap();
+        let excitation =
+            |track: &Track| Config::derived(Preset::Race, &car, track).warm_up.noise_delta;
+        let wide = excitation(&Track::builtin("l").unwrap());
+        assert!((wide - 0.02 * car.delta_max / 0.436).abs() < 1e-12, "{wide} rad");
+        assert!(excitation(&Track::from_toml(OVAL).unwrap()) < 0.7 * wide);
+    }
+}

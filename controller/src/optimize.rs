@@ -157,7 +157,6 @@ impl Workspace {
             s: memory.query_s,
             length: setup.track.length(),
             period: setup.config.horizon.period,
-            learned: memory.lap_end.learned,
         };
         let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
         self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);

@@ -69,3 +69,13 @@ fn grip_that_comes_back_is_given_back_slowly() {
     assert!(race.share > 0.85, "{}", race.share);
     assert!(race.rise > 0.0 && race.rise < 0.0101, "{}", race.rise);
 }
+
+#[test]
+fn laps_after_a_fall_in_the_first_learned_ones_tell_the_share() {
+    for fall in [80.0, 81.0] {
+        let race = race(0.6, fall, f64::INFINITY, fall + 75.0);
+        assert!(race.seen.is_some(), "fall at {fall}");
+        assert!((race.share - 0.6).abs() < 0.02, "fall at {fall}: {}", race.share);
+        assert!(race.rise < 0.0101, "fall at {fall}: {}", race.rise);
+    }
+}

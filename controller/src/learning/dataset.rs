@@ -76,45 +76,7 @@ pub(crate) struct Seen<'a> {
     pub(crate) offset: f64,
 }
 
-/// What a lap led to: the lap that followed, closed or in progress.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Following<'a> {
-    samples: &'a [Sample],
-    /// Its first sample is the direct successor of the lap's last.
-    follows: bool,
-    /// Nothing has made it unfit for the safe set so far.
-    clean: bool,
-}
-
-impl Following<'_> {
-    /// Index of the first sample from `s` on.
-    pub(crate) fn first_from(&self, s: f64) -> usize {
-        self.samples.partition_point(|sample| sample.x.s < s)
-    }
-}
-
 impl Dataset {
-    /// The lap that followed a closed one.
-    pub(crate) fn followed_by(&self, lap: usize) -> Following<'_> {
-        match self.laps.get(lap + 1) {
-            Some(next) => {
-                let Lap { result, samples, follows, .. } = &**next;
-                Following { samples, follows: *follows, clean: result.valid }
-            }
-            None => {
-                let Current { samples, follows, clean, .. } = &self.current;
-                Following { samples, follows: *follows, clean: *clean }
-            }
-        }
-    }
-
-    /// Whether a lap led on to a lap of use as far as `s` and a number of samples.
-    pub(crate) fn runs_on(&self, lap: usize, s: f64, samples: usize) -> bool {
-        let following = self.followed_by(lap);
-        let enough = following.first_from(s) + samples <= following.samples.len();
-        following.follows && following.clean && enough
-    }
-
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,
     /// those past its end in the lap that followed, up to the first interruption.
     pub(crate) fn seen_from(&self, lap: usize, index: isize, length: f64) -> Option<Seen<'_>> {
@@ -132,7 +94,10 @@ impl Dataset {
         if let Some(sample) = own.get(i) {
             return Some(Seen { sample, offset: 0.0 });
         }
-        let Following { samples: behind, follows, .. } = self.followed_by(lap);
+        let (behind, follows) =
+            self.laps.get(lap + 1).map_or((&self.current.samples, self.current.follows), |next| {
+                (&next.samples, next.follows)
+            });
         if !follows {
             return None;
         }

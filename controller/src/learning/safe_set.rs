@@ -3,9 +3,8 @@
 //!
 //! A lap is seen together with the end of the lap before it and the start of the lap that
 //! followed, as driven: before its line the cost-to-go grows past T_i, behind its line it is
-//! 0, -1, -2, ... So the points run on where the query crosses the line, with what each lap led to, until
-//! the lap that the car closes there is learned from: then that lap begins where the one before it led.
-//! If one of the laps led to nothing of use, the set is taken in the frame of the lap that the query lies in.
+//! 0, -1, -2, ... The set is taken in the frame of the lap that the query lies in, so that nothing
+//! jumps when the car itself crosses the line.
 
 use nalgebra::{Vector2, Vector6};
 
@@ -42,21 +41,10 @@ impl SafeSet {
             return;
         }
         // The query may lie laps ahead of the frame it is given in, by at most one in practice.
-        let laps_ahead = (query.s / query.length).floor();
-        let s = query.s - laps_ahead * query.length;
-        let since_learned = data.laps.len() - query.learned;
-        let runs_on = laps_ahead + since_learned as f64 == 1.0
-            && selected.iter().take(count).all(|lap| data.runs_on(*lap, s, neighbors));
-        let lead = if runs_on { query.length } else { 0.0 };
-        let local = Query { s: s + lead, ..*query };
+        let laps_ahead = (query.s / query.length).floor() * query.length;
+        let local = Query { s: query.s - laps_ahead, ..*query };
         for i in 0..count {
-            self.take_from(
-                data,
-                selected[i % selected.len()],
-                &local,
-                neighbors,
-                query.s - local.s,
-            );
+            self.take_from(data, selected[i % selected.len()], &local, neighbors, laps_ahead);
         }
         let least = self.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         for cost in &mut self.cost_to_go {
@@ -76,11 +64,8 @@ impl SafeSet {
         let see = |index: isize| data.seen_from(lap, index, query.length);
         let distance = |seen: &Seen| (seen.sample.x.s + seen.offset - query.s).abs();
         let own = &data.laps[lap].samples;
-        // A number of samples fits isize.
-        let mut above = match query.s < query.length {
-            true => own.partition_point(|sample| sample.x.s < query.s),
-            false => own.len() + data.followed_by(lap).first_from(query.s - query.length),
-        } as isize;
+        // partition_point is at most the number of samples, which fits isize.
+        let mut above = own.partition_point(|sample| sample.x.s < query.s) as isize;
         let mut below = above - 1;
         for _ in 0..neighbors {
             let index = match (see(below), see(above)) {
@@ -169,6 +154,4 @@ pub(crate) struct Query {
     pub(crate) length: f64,
     /// Sampling period [s].
     pub(crate) period: f64,
-    /// Number of laps that the selected ones were selected from.
-    pub(crate) learned: usize,
 }

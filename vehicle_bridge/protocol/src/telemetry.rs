@@ -271,7 +271,7 @@ mod tests {
             Plant::new(PlantParams::new(car.clone()), Arc::clone(&track), start).unwrap();
         let mut controller = Controller::new(config, car, track).unwrap();
         let mut learned = 0;
-        for n in 0..400 {
+        for n in 0..450 {
             let pose = Pose::Frenet(plant.measure());
             let time = f64::from(n) * period;
             let command = controller.step(&Measurement { time, pose, applied: None });
