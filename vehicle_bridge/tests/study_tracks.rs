@@ -112,13 +112,14 @@ fn the_body_counts_unless_asked_otherwise() {
     let lines: Vec<String> = narrow
         .lines()
         .map(|line| match line.split_once('=') {
-            Some((key, _)) if key.trim().starts_with("width_") => format!("{key}= 0.25"),
+            Some((key, _)) if key.trim().starts_with("width_") => format!("{key}= 0.15"),
             _ => line.to_owned(),
         })
         .collect();
     fs::write(&file, lines.join("\n")).unwrap();
     let file = file.display().to_string();
-    let cell = ["--track", &file, "--seeds", "1", "--laps", "1", "--set", "limits.lane_margin_m=0"];
+    let wander = ["--set", "limits.lane_margin_m=0", "--set", "warm_up.noise_delta_rad=0.05"];
+    let cell = [&["--track", &file, "--seeds", "1", "--laps", "1"][..], &wander].concat();
     let (body, centre) = (folder.path().join("body"), folder.path().join("centre"));
     assert_eq!(study(&cell, &body).status.code(), Some(3));
     let row = &rows(&body)[0];
