@@ -116,7 +116,7 @@ impl Road {
         }
         self.share = share;
         self.history.change(share, (lap, sample));
-        (self.sums, self.uncounted) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
+        self.forget_evidence();
     }
 
     /// The share since the last fall is another: a lower one comes into force at once, a higher one is
@@ -125,6 +125,11 @@ impl Road {
         self.history.revise(share);
         self.goal = Some(share).filter(|share| *share > self.share);
         self.share = self.share.min(share);
+        self.forget_evidence();
+    }
+
+    /// Evidence against another share than that in force says nothing.
+    fn forget_evidence(&mut self) {
         (self.sums, self.uncounted) = ([0.0; FACTORS.len()], [0.0; FACTORS.len()]);
     }
 

@@ -61,8 +61,9 @@ impl Tracker {
         let climb = if track.is_flat() { 0.0 } else { GRAVITY * libm::sin(track.slope(x.s)) };
         let wanted = self.speed_loop(x, v_ref.min(self.bend_speed(x, track))) + climb;
         let a = wanted.clamp(self.least.a, self.most.a);
-        let [side_slip, more] = self.steady_bend(x, track);
-        let delta = self.steer(x, track, side_slip) + more;
+        let kappa = parallel(x, track);
+        let [side_slip, more] = self.steady_bend(x.v_x, kappa);
+        let delta = self.steer(x, kappa, side_slip) + more;
         let delta = delta.clamp(self.least.delta, self.most.delta);
         Input { a: a.max(self.hardest_brake(x, track)), delta }
     }
@@ -131,14 +132,15 @@ impl Tracker {
     #[must_use]
     pub fn brake(&self, x: &State, track: &Track) -> Input {
         let stopping = (-x.v_x / SPEED_TIME).clamp(self.least.a, 0.0);
-        Input { a: stopping.max(self.hardest_brake(x, track)), delta: self.steer(x, track, 0.0) }
+        let delta = self.steer(x, parallel(x, track), 0.0);
+        Input { a: stopping.max(self.hardest_brake(x, track)), delta }
     }
 
     /// Path curvature with which e_y decays critically damped over the reach:
-    /// e_y'' = -e_y / r^2 - 2 e_y' / r, derivatives along the path; `side_slip` is the body's \[rad\].
-    fn steer(&self, x: &State, track: &Track, side_slip: f64) -> f64 {
+    /// e_y'' = -e_y / r^2 - 2 e_y' / r, derivatives along the path, with the curvature [`parallel`] and the body's
+    /// side slip \[rad\].
+    fn steer(&self, x: &State, parallel: f64, side_slip: f64) -> f64 {
         let reach = self.reach(x.v_x);
-        let parallel = parallel(x, track);
         let course = x.e_psi + side_slip;
         let wanted = parallel - x.e_y / (reach * reach) - 2.0 * libm::sin(course) / reach;
         libm::atan(self.wheelbase * wanted).clamp(self.least.delta, self.most.delta)
@@ -147,10 +149,9 @@ impl Tracker {
     /// Side slip `l_r kappa - alpha_r` of the body in a steady bend, and the angle `alpha_f - alpha_r` by which the
     /// wheels turn more than the path (Rajamani, Vehicle Dynamics and Control, ch. 3) \[rad\]. Left to the
     /// feedback, both would be paid for with e_y.
-    fn steady_bend(&self, x: &State, track: &Track) -> [f64; 2] {
-        let kappa = parallel(x, track);
+    fn steady_bend(&self, v: f64, kappa: f64) -> [f64; 2] {
         let linear = LINEAR_SHARE * self.grip;
-        let lateral = (x.v_x * x.v_x * kappa).clamp(-linear, linear);
+        let lateral = (v * v * kappa).clamp(-linear, linear);
         let [front, rear] = self.slip.map(|slip| slip * lateral);
         [self.l_r * kappa - rear, front - rear]
     }

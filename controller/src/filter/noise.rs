@@ -157,7 +157,7 @@ impl Noise {
         });
         // Rows of one kind come from one sensor: one that seems exact is a bad estimate.
         let mut noise = noise.component_div(&squared);
-        for rows in [&VELOCITIES[first.min(3)..], &[4, 5][..]] {
+        for rows in [&VELOCITIES[first.min(3)..], &POSITION[..]] {
             let most = rows.iter().map(|i| noise[*i]).fold(0.0, f64::max);
             for i in rows {
                 noise[*i] = noise[*i].max(ALIKE * most);

@@ -54,25 +54,28 @@ impl Controller {
         work.stage = Stage::Fit;
     }
 
-    pub(super) fn fit_grip(&mut self, piece: usize) {
+    /// A piece of the fit; its result after the last.
+    fn advance_fit(&mut self, piece: usize) -> Option<[f64; 2]> {
         let work = &mut self.memory.lap_end;
         let (done, fitted) = work.fit.advance(&self.setup.model, &self.setup.track, piece);
         work.done += done;
-        let Some(fitted) = fitted else { return };
+        fitted
+    }
+
+    pub(super) fn fit_grip(&mut self, piece: usize) {
+        let Some(fitted) = self.advance_fit(piece) else { return };
         // A new grip invalidates all residuals, so changes too small to matter are ignored.
         if grip::differ(fitted, self.memory.grip) {
-            work.grip = fitted;
+            self.memory.lap_end.grip = fitted;
         }
         self.begin_data();
     }
 
     /// Fits the grip that a lap on a slippery road had: the share in force comes from a few samples.
     pub(super) fn fit_share(&mut self, piece: usize) {
-        let work = &mut self.memory.lap_end;
-        let (done, fitted) = work.fit.advance(&self.setup.model, &self.setup.track, piece);
-        work.done += done;
-        let Some(fitted) = fitted else { return };
-        let share = 0.5 * (fitted[0] / work.grip[0] + fitted[1] / work.grip[1]);
+        let Some(fitted) = self.advance_fit(piece) else { return };
+        let grip = self.memory.lap_end.grip;
+        let share = 0.5 * (fitted[0] / grip[0] + fitted[1] / grip[1]);
         let in_force = self.memory.road.share;
         if in_force < DRY && self.slippery_lap().is_some() {
             let share = share.min(in_force + MOST_RISE);
@@ -82,7 +85,8 @@ impl Controller {
         self.begin_data();
     }
 
-    /// The share that is being taken into the data is that of before a fall.
+    /// The grip fell anew: the share that a lap before the fall had no longer counts, and the data that are being
+    /// made with it are begun again.
     pub(crate) fn forget_share(&mut self) {
         if self.memory.lap_end.share.take().is_some() {
             self.begin_data();

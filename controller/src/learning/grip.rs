@@ -55,7 +55,8 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Begins at `grip`, with a pull `toward` another, and chooses among `samples`, latest first; `noise` are the variances of the velocities as measured.
+    /// Begins at `grip`, with a pull `toward` another, and chooses among `samples`, latest first; `noise`
+    /// are the variances of the velocities as measured.
     pub(crate) fn begin<'a>(
         &mut self,
         grip: [f64; 2],

@@ -44,6 +44,27 @@ fn follow(rules: &Rules, x: &State, speed: f64) -> Input {
     Input { a, ..brake }
 }
 
+/// An order that the core obeys.
+fn order(kind: OrderKind) -> BridgeEvent<'static> {
+    BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) })
+}
+
+/// The controller's command on state `n`.
+fn answer(n: i64, input: Input, now: i64) -> DecodedCommand {
+    DecodedCommand {
+        boot_id: CONTROLLER,
+        seq: number(n),
+        arrival: time(now),
+        since: time(now),
+        answers: Some(number(n)),
+        token: token(9),
+        drives: true,
+        input,
+        valid_for_ns: 100 * MS,
+        ..DecodedCommand::default()
+    }
+}
+
 /// A lap at `speed`, with the fault from `s` on until the car stands.
 fn drive(fault: Fault, speed: f64, from_s: f64, seed: u64) -> Drive {
     drive_as(&CarParams::builtin("barc").unwrap(), 0.001, fault, speed, from_s, seed)
@@ -73,8 +94,6 @@ fn drive_as(
         safety = next;
         (safety, output)
     };
-    let order =
-        |kind| BridgeEvent::Order(Order { kind, token: token(9), deadman: false, fresh: token(9) });
     tell(&BridgeEvent::State(State::default(), 2), now);
     tell(&BridgeEvent::Heartbeat(CONTROLLER), now);
     tell(&BridgeEvent::Setup(CONTROLLER, rules.setup), now);
@@ -127,19 +146,7 @@ fn drive_as(
             tell(&BridgeEvent::State(x, 2), now);
             tell(&BridgeEvent::Published(number(n)), now);
             let input = follow(&rules, &x, speed);
-            let offer = DecodedCommand {
-                boot_id: CONTROLLER,
-                seq: number(n),
-                arrival: time(now),
-                since: time(now),
-                answers: Some(number(n)),
-                token: token(9),
-                drives: true,
-                input,
-                valid_for_ns: 100 * MS,
-                ..DecodedCommand::default()
-            };
-            tell(&BridgeEvent::Command(&offer), now);
+            tell(&BridgeEvent::Command(&answer(n, input, now)), now);
         }
         let (safety, output) = tell(&BridgeEvent::Tick, now);
         held = output.applied.sent;
@@ -280,36 +287,18 @@ fn throttle_across_the_track(speed: f64) -> f64 {
     let mut safety = Safety::default();
     let mut now = MS;
     let across = |at: f64| State { v_x: speed, e_psi: 1.45, s: 1.0, e_y: at, ..State::default() };
-    let arm = Order {
-        kind: OrderKind::Arm { moving: true, controller: BootId::NONE },
-        token: token(9),
-        deadman: false,
-        fresh: token(9),
-    };
-    let start = Order { kind: OrderKind::Start, ..arm };
     for event in [
         BridgeEvent::State(across(0.0), 2),
         BridgeEvent::Heartbeat(CONTROLLER),
         BridgeEvent::Setup(CONTROLLER, rules.setup),
-        BridgeEvent::Order(arm),
-        BridgeEvent::Order(start),
+        order(OrderKind::Arm { moving: true, controller: BootId::NONE }),
+        order(OrderKind::Start),
         BridgeEvent::Published(number(1)),
     ] {
         safety = step(&rules, &safety, &event, now).0;
     }
     now += 10 * MS;
-    let offer = DecodedCommand {
-        boot_id: CONTROLLER,
-        seq: number(1),
-        arrival: time(now),
-        since: time(now),
-        answers: Some(number(1)),
-        token: token(9),
-        drives: true,
-        input: Input { a: car.a_max, delta: 0.0 },
-        valid_for_ns: 100 * MS,
-        ..DecodedCommand::default()
-    };
+    let offer = answer(1, Input { a: car.a_max, delta: 0.0 }, now);
     for event in [
         BridgeEvent::State(across(speed * TICK), 2),
         BridgeEvent::Published(number(2)),
