@@ -19,7 +19,7 @@ use keys::Section;
 
 pub use driving::{CostConfig, EnvelopeConfig, LimitsConfig};
 pub use sections::{
-    Features, Horizon, NominalConfig, NominalModel, RegressionConfig, RegressionMode,
+    CostToGo, Features, Horizon, NominalConfig, NominalModel, RegressionConfig, RegressionMode,
     SafeSetConfig, Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
 pub use unforeseen::{DelayConfig, FilterConfig, RecoveryConfig};

@@ -3,11 +3,12 @@
 use vehicle_model::normal::standard_normal;
 use vehicle_model::{Input, Limiter, State};
 
-use crate::controller::Controller;
+use crate::controller::{Controller, Setup};
 use crate::derive::Scales;
-use crate::fhocp::greatest;
+use crate::fhocp::{Fhocp, greatest};
 use crate::observe::Observation;
 use crate::optimize::Workspace;
+use crate::slip;
 use crate::status::{Action, Phase, Probe, Reason, Status};
 
 /// Speed below which a car stands, in speeds sqrt(mu g l).
@@ -145,6 +146,7 @@ impl Controller {
         status.front_slip_slack = greatest(&slacks.front);
         status.rear_slip_slack = greatest(&slacks.rear);
         status.speed_slack = greatest(&slacks.speed);
+        self.steer(&x_0);
         let input = self.memory.plan.u[0];
         self.memory.prediction_error.expect(&next.unwrap_or(self.memory.plan.x[1]));
         if self.waits(x) {
@@ -152,6 +154,18 @@ impl Controller {
             self.memory.drop_plan();
         }
         input
+    }
+
+    /// Turns the first steering angle of the plan into that of the force, where the tyres move the car.
+    fn steer(&mut self, x_0: &State) {
+        let Setup { config, car, model, .. } = &self.setup;
+        if !config.nominal.inverse_tyre || x_0.v_x < car.blend_speed_high {
+            return;
+        }
+        let Fhocp { front, front_max, .. } = self.work.problem();
+        let (tyre, first) = (&model.model.params.tyre_front, &mut self.memory.plan.u[0]);
+        let planned = (&x_0.to_vector(), first.delta);
+        first.delta = slip::steering(tyre, &front[0], planned, *front_max);
     }
 
     /// Whether a car far slower than it has been here has a plan whose end does not move on.

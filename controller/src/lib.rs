@@ -12,11 +12,11 @@
 //! | (1) x_{k+1} = f(x_k, u_k) | [`vehicle_model::Discretized::next`] |
 //! | dynamic bicycle model | [`vehicle_model::Model`], [`bicycle.rs`](../src/vehicle_model/model/bicycle.rs.html) |
 //! | Frenet kinematics (text) | [`pose_rates`](../src/vehicle_model/model.rs.html) |
-//! | (2) minimum-lap-time problem, indicator 1_F | not solved itself; the cost-to-go counts periods to the line: [`learning::dataset::Lap::cost_to_go`] |
+//! | (2) minimum-lap-time problem, indicator 1_F | not solved itself; the cost-to-go counts periods: [`learning::safe_set`] |
 //! | D^j, recorded laps | [`learning::dataset`] |
 //! | (3) K nearest points under a metric D | [`learning::safe_set::SafeSet`]; nearest in s, see below |
 //! | X^j: P laps, K points each | [`learning::safe_set::SafeSet`], [`config::SafeSetConfig`] |
-//! | T^i - k, cost-to-go | [`learning::dataset::Lap::cost_to_go`] |
+//! | T^i - k, cost-to-go | [`config::CostToGo::Line`], [`learning::safe_set`] |
 //! | Q_N, terminal cost | J' lambda inside the FHOCP: [`fhocp::Fhocp::cost_to_go`] |
 //! | (4) FHOCP | [`fhocp`]; filled in [`optimize.rs`](../src/controller/optimize.rs.html), rows in [`layout.rs`](../src/fhocp/layout.rs.html) |
 //! | c_u, c_du | [`config::CostConfig`] |
@@ -41,6 +41,7 @@
 //! | e_y, a distance | signed, positive to the left | the two edges of the lane need a sign |
 //! | kernel K of the metric distance | K of the squared metric distance | with it the paper's study of h is reproduced |
 //! | rate cost on u_t - u_{t-1} | on the rate per second | as printed, the steering is bang-bang at the paper's weights |
+//! | T^i - k, to the line | preset `race`: to the place of the plan's end one lap later ([`config::CostToGo::Round`]) | at the line the set falls back by one lap, and what the laps cost changes at once |
 //! | - | preset `race` adds slip guards, tyre dissipation, a speed envelope and grip adaptation ([`config`]) | beyond the tyres' peak the linearised problem steers the wrong way |
 #![forbid(unsafe_code)]
 // The same bits on every machine: no function of the platform's mathematical library.

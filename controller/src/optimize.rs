@@ -9,7 +9,7 @@ use crate::fhocp::{Affine, Fhocp, FhocpSolver, Slacks, Solution, SolveReport, So
 use crate::lane;
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
-use crate::learning::safe_set::{Query, SafeSet};
+use crate::learning::safe_set::SafeSet;
 use crate::learning::speed_limit::SpeedLimit;
 use crate::memory::Memory;
 use crate::slip::{self, Dissipation};
@@ -153,13 +153,9 @@ impl Workspace {
         self.regress(setup, memory);
         probe.end(Phase::Regress);
         probe.begin(Phase::SafeSet);
-        let query = Query {
-            s: memory.query_s,
-            length: setup.track.length(),
-            period: setup.config.horizon.period,
-        };
-        let size = (setup.config.safe_set.neighbors, setup.config.safe_set.laps);
-        self.safe_set.fill(&memory.dataset, &memory.selected, &query, size);
+        let query = memory.query(setup.track.length(), setup.config.horizon.period);
+        let config = &setup.config.safe_set;
+        self.safe_set.fill(&memory.dataset, &memory.selected, &query, config);
         let road = &memory.derived.road_speed;
         if self.speed_cap.is_finite() || road.bounds() {
             let slowest = match self.speed_cap.is_finite() {

@@ -2,9 +2,9 @@
 
 use crate::config::keys::choice;
 use crate::config::{
-    Config, CostConfig, DelayConfig, EnvelopeConfig, Features, FilterConfig, Horizon, LimitsConfig,
-    NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode, SafeSetConfig,
-    Selection, SolverConfig, SolverMethod, WarmUpConfig,
+    Config, CostConfig, CostToGo, DelayConfig, EnvelopeConfig, Features, FilterConfig, Horizon,
+    LimitsConfig, NominalConfig, NominalModel, RecoveryConfig, RegressionConfig, RegressionMode,
+    SafeSetConfig, Selection, SolverConfig, SolverMethod, WarmUpConfig,
 };
 
 choice! {
@@ -31,7 +31,12 @@ impl Config {
         Self {
             preset: Preset::Paper,
             horizon: Horizon { steps: 13, period: 0.1, substeps: 10 },
-            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Recent },
+            safe_set: SafeSetConfig {
+                neighbors: 10,
+                laps: 3,
+                selection: Selection::Recent,
+                cost_to_go: CostToGo::Line,
+            },
             regression: RegressionConfig {
                 mode: RegressionMode::Error,
                 neighbors: 40,
@@ -41,7 +46,12 @@ impl Config {
                 metric: [5.0, 5.0, 1.0, 1.0, 5.0],
                 features: Features::Own,
             },
-            nominal: NominalConfig { model: NominalModel::Dynamic, adapt_grip: false, secant: 0.0 },
+            nominal: NominalConfig {
+                model: NominalModel::Dynamic,
+                adapt_grip: false,
+                secant: 0.0,
+                inverse_tyre: false,
+            },
             cost: CostConfig {
                 input: 1e-3,
                 input_acceleration: 1e-3,
@@ -99,14 +109,18 @@ impl Config {
         Self {
             preset: Preset::Race,
             horizon: Horizon { steps: 15, ..paper.horizon },
-            safe_set: SafeSetConfig { neighbors: 10, laps: 3, selection: Selection::Fastest },
+            safe_set: SafeSetConfig {
+                selection: Selection::Fastest,
+                cost_to_go: CostToGo::Round,
+                ..paper.safe_set
+            },
             regression: RegressionConfig {
                 neighbors: 40,
                 metric: [2.0, 2.0, 1.0, 1.0, 2.0],
                 features: Features::Both,
                 ..paper.regression
             },
-            nominal: NominalConfig { adapt_grip: true, ..paper.nominal },
+            nominal: NominalConfig { adapt_grip: true, inverse_tyre: true, ..paper.nominal },
             cost: CostConfig {
                 acceleration_rate: 3e-4,
                 steering_rate_floor: 0.05,

@@ -10,7 +10,8 @@
 //! G_h <- max(0, FORGET G_h + g_h)
 //! ```
 //!
-//! sigma is what the residuals of the share in force were before. e is the learned error of the model:
+//! sigma is what the residuals of the share in force were before, but no less than the filter's covariance
+//! explains: an uncertain yaw rate moves v_y the more, the faster the car is. e is the learned error of the model:
 //! where data are few it is wrong, and a motion that the model alone explains is no sign of another
 //! grip. Where measurements are noisy, nor is one residual alone: of g_h no more than ALONE counts at
 //! once, and the rest in the next period, as far as that period says the same.
@@ -295,7 +296,8 @@ impl Controller {
         let model_error = 0.5 * setup.config.filter.model_error;
         let v =
             model_error * scales.speed * scales.speed / scales.length * setup.config.horizon.period;
-        let floor = [v, v / scales.length];
+        let expected = self.memory.estimate.expected;
+        let floor = [v.max(expected[0].sqrt()), (v / scales.length).max(expected[1].sqrt())];
         let own = residual(FACTORS[0]);
         if self.memory.road.explains(&own, floor) {
             self.memory.road.rest(&own, floor);

@@ -1,9 +1,9 @@
 //! Slip angles of a plan: rows for the guards, what slip costs, and how much of the rear axle's
-//! guard a braking car has.
+//! guard a braking car has, and the steering that gives a force.
 
 use fhocp::SlipRow;
-use nalgebra::{Matrix6, Vector3};
-use vehicle_model::{CarParams, Input, SlipAngles, State};
+use nalgebra::{Matrix6, Vector3, Vector6};
+use vehicle_model::{CarParams, Input, SlipAngles, State, Tyre};
 
 use crate::controller::Setup;
 
@@ -39,8 +39,8 @@ impl<'a> Dissipation<'a> {
         let tyre = [&car.tyre_front, &car.tyre_rear][axle];
         let load = car.loads_at(v_x)[axle];
         let alpha = alpha.abs().max(1e-3);
-        let sin = libm::sin(libm::atan(tyre.b * alpha) * tyre.c);
-        let stiffness = tyre.mu * self.grip[axle] * load * sin.abs() / alpha;
+        let (share, _) = tyre.force_share(alpha);
+        let stiffness = tyre.mu * self.grip[axle] * load * share.abs() / alpha;
         self.factor * stiffness / (car.mass * v_x.max(SLOW))
     }
 }
@@ -64,6 +64,29 @@ pub(crate) fn rear(car: &CarParams, x: &State) -> SlipRow {
         weight: 0.0,
         reference: slip.rear,
     }
+}
+
+/// The steering angle with which the front tyre gives the force that its linearisation promised at `delta`,
+/// with no more slip than `most`:
+///
+/// ```text
+/// F(alpha_ref) + F'(alpha_ref) (alpha - alpha_ref) = F(alpha')        delta' = delta + alpha' - alpha
+/// ```
+///
+/// Below its peak the curve bends: a plan that unwinds the steering by the slope near the peak loses more
+/// force than it wanted, and has to wind it on again in the next period. (The force as the input, and an
+/// inverse tyre: Beal and Gerdes, Model Predictive Control for Vehicle Stabilization at the Limits of
+/// Handling, IEEE Transactions on Control Systems Technology 21 (2013).)
+pub(crate) fn steering(
+    tyre: &Tyre,
+    row: &SlipRow,
+    (x, delta): (&Vector6<f64>, f64),
+    most: f64,
+) -> f64 {
+    let alpha = row.angle(x, delta);
+    let (force, slope) = tyre.force_share(row.reference);
+    let wanted = tyre.slip_of(force + slope * (alpha - row.reference)).clamp(-most, most);
+    delta + wanted - alpha
 }
 
 /// Standard deviation of a slip angle of states with this covariance \[rad\].
@@ -131,5 +154,34 @@ mod tests {
         let variance = slips.iter().map(|slip| (slip - mean).powi(2)).sum::<f64>() / n as f64;
         let sigma = deviation(&p, &row);
         assert!((sigma / variance.sqrt() - 1.0).abs() < 0.03, "{sigma} {variance}");
+    }
+
+    #[test]
+    fn the_steering_gives_the_force_that_was_promised() {
+        let car = CarParams::builtin("barc").unwrap();
+        let x = State { v_x: 3.0, v_y: -0.05, omega_z: 1.0, ..State::default() };
+        let most = 0.9 * car.tyre_front.peak_slip();
+        let tyre = &car.tyre_front;
+        let force = |alpha: f64| (tyre.c * (tyre.b * alpha).atan()).sin();
+        for delta in [-0.1, 0.05, 0.2, 0.26] {
+            let u = Input { a: 0.0, delta };
+            let row = front(&car, &x, &u);
+            let slip = |delta: f64| SlipAngles::new(&x, &Input { delta, ..u }, &car).front;
+            let (at, h) = (slip(delta), 1e-6);
+            let slope = (force(at + h) - force(at - h)) / (2.0 * h);
+            for change in [-0.15, -0.02, 0.0, 0.02, 0.3] {
+                let found = steering(tyre, &row, (&x.to_vector(), delta + change), most);
+                let promised = force(at) + slope * change;
+                let given = force(slip(found));
+                if promised.abs() < force(most) {
+                    assert!(
+                        (given - promised).abs() < 1e-6,
+                        "{delta} {change}: {given} {promised}"
+                    );
+                } else {
+                    assert!((slip(found) - most.copysign(promised)).abs() < 1e-9);
+                }
+            }
+        }
     }
 }

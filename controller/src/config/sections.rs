@@ -27,6 +27,15 @@ choice! {
     Recent "recent";
 }
 
+choice! {
+    /// What the cost-to-go of a safe-set point counts.
+    CostToGo;
+    /// The periods to the end of its lap (the paper).
+    Line "line";
+    /// The periods to the place of the plan's end one lap later, as driven: nothing changes at the line.
+    Round "round";
+}
+
 section! {
     /// Safe set and cost-to-go (paper, eqs. for SS and Q).
     SafeSetConfig in safe_set;
@@ -36,6 +45,8 @@ section! {
     laps "laps": usize, symbol "P", unit "", range (1, 20), from preset;
     /// Which P laps.
     selection "selection": Selection, symbol "", unit "", range (), from preset;
+    /// What the cost-to-go counts.
+    cost_to_go "cost_to_go": CostToGo, symbol "J", unit "", range (), from preset;
 }
 
 choice! {
@@ -100,6 +111,8 @@ section! {
     /// share of the peak slip; 0: tangents.
     secant "secant": f64, symbol "", unit "", range (0.0, 0.4),
         from car_and_track "longer where actuators lag by more than half a period";
+    /// Whether the first steering angle gives the front tyre the force that its linearisation promised.
+    inverse_tyre "inverse_tyre": bool, symbol "", unit "", range (), from preset;
 }
 
 section! {

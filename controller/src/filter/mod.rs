@@ -58,6 +58,8 @@ pub(crate) struct Estimate {
     p: Option<[[f64; 6]; 6]>,
     /// The last measurement.
     pub(crate) raw: State,
+    /// Variances of its v_y and omega_z about their predictions by the noise of both, the model being right.
+    pub(crate) expected: [f64; 2],
     noise: Noise,
     /// The lap in progress, to be smoothed: one step for each sample, or none.
     pub(crate) steps: Vec<Step>,
@@ -147,7 +149,7 @@ impl Filter {
         estimate.noise.add(&residual, &prediction.a, self.length);
         estimate.raw = *measured;
         let Some(Variances { noise, process }) = self.variances(estimate) else {
-            estimate.p = None;
+            (estimate.p, estimate.expected) = (None, [0.0; 2]);
             return *measured;
         };
         let Some(before) = estimate.p.map(Matrix6::from) else {
@@ -167,6 +169,7 @@ impl Filter {
         for row in 0..6 {
             s[(row, row)] += if row < self.first() { 1.0 } else { noise[row] };
         }
+        estimate.expected = [1, 2].map(|row| s[(row, row)] - process[row]);
         let Some(factor) = s.cholesky() else { return self.begin(estimate, measured) };
         let gain = factor.solve(&(h * p)).transpose();
         let x = prediction.next + gain * innovation;
@@ -210,4 +213,65 @@ fn difference(to: &State, from: &Vector6<f64>, track: &Track) -> Vector6<f64> {
     d[3] = wrap_angle(d[3]);
     d[4] -= track.length() * (d[4] / track.length()).round();
     d
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use rand::SeedableRng as _;
+    use vehicle_model::normal::standard_normal;
+
+    use super::*;
+    use crate::{Config, Preset};
+
+    /// A linear car, whose v_y its yaw rate moves as at 40 m/s, and whose tyres do what the filter expects.
+    #[test]
+    fn what_noise_makes_of_a_prediction_is_expected() {
+        let car = CarParams::builtin("kart").unwrap();
+        let track = Track::builtin("l").unwrap();
+        let config = Config::derived(Preset::Race, &car, &track).filter;
+        let filter = Filter::new(&config, &car, 0.1);
+        let mut a = Matrix6::identity();
+        (a[(1, 1)], a[(1, 2)], a[(2, 2)]) = (0.3, -4.0, 0.5);
+        let (mut estimate, mut x) = (Estimate::default(), State::default());
+        let v = config.model_error * filter.speed.powi(2) / filter.length * filter.dt;
+        let (process, mut truth) = ([v, v, v / filter.length], Vector6::zeros());
+        let mut random = rand_pcg::Pcg64::seed_from_u64(1);
+        let (mut squares, mut expected, mut count) = ([0.0; 2], [0.0; 2], 0.0);
+        for n in 0..20_000 {
+            let mut draw = |sigma: f64| sigma * standard_normal(&mut random);
+            truth = a * truth;
+            for row in 0..3 {
+                truth[row] += draw(process[row]);
+            }
+            (truth[3], truth[4], truth[5]) = (0.0, 5.0, 0.0);
+            let noise = [0.01, 0.01, 0.01, 0.001, 0.001, 0.001].map(&mut draw);
+            let measured = State::from_vector(&(truth + Vector6::from(noise)));
+            truth[4] = 0.0;
+            if n == 0 {
+                x = filter.begin(&mut estimate, &measured);
+                continue;
+            }
+            let mut at = x.to_vector();
+            at[4] -= 5.0;
+            let mut next = a * at;
+            next[4] += 5.0;
+            x = filter.update(&mut estimate, &x, &Prediction { a, next }, &measured, &track);
+            if n < 5_000 {
+                continue;
+            }
+            count += 1.0;
+            for (i, row) in [1, 2].into_iter().enumerate() {
+                squares[i] += (measured.to_vector()[row] - next[row]).powi(2);
+                expected[i] += estimate.expected[i] + process[row].powi(2);
+            }
+        }
+        assert!(process[1].powi(2) < 0.3 * squares[0] / count, "the noise decides on v_y");
+        for i in 0..2 {
+            let [seen, expected] = [squares[i] / count, expected[i] / count];
+            // What a noisy yaw rate does to v_y looks like an error of the model, too, and counts twice.
+            assert!(expected > 0.8 * seen && expected < 4.0 * seen, "row {i}: {expected} {seen}");
+        }
+    }
 }

@@ -7,6 +7,7 @@ use vehicle_model::{Input, State};
 
 use crate::config::{SafeSetConfig, Selection};
 use crate::lap_number::LapNumber;
+use crate::learning::safe_set::Query;
 use crate::status::{LapKind, LapResult};
 
 /// One measured transition.
@@ -36,15 +37,6 @@ pub struct Lap {
     pub end_time: f64,
     /// Whether the first sample is the direct successor of the previous lap's last.
     pub follows: bool,
-}
-
-impl Lap {
-    /// Cost-to-go of a measurement at `time`: T_i - k in steps, fractional, as the line is
-    /// crossed between two samples. Negative behind the line.
-    #[must_use]
-    pub fn cost_to_go(&self, time: f64, period: f64) -> f64 {
-        (self.end_time - time) / period
-    }
 }
 
 /// The lap in progress.
@@ -77,12 +69,56 @@ pub(crate) struct Seen<'a> {
 }
 
 impl Dataset {
+    /// Samples of a lap, and whether the first is the direct successor of the previous lap's last. The lap
+    /// behind the closed ones is the one in progress.
+    pub(crate) fn driven(&self, lap: usize) -> (&[Sample], bool) {
+        match self.laps.get(lap) {
+            Some(lap) => (&lap.samples, lap.follows),
+            None => (&self.current.samples, self.current.follows),
+        }
+    }
+
+    /// When a lap passed `s`, for the lap in progress at most as far as it got \[s\].
+    pub(crate) fn passing(&self, lap: usize, s: f64, length: f64) -> f64 {
+        let (samples, _) = self.driven(lap);
+        let (start, end) = match self.laps.get(lap) {
+            Some(lap) => (lap.start_time, Some((length, lap.end_time))),
+            None => (self.current.start_time, None),
+        };
+        let place = |sample: &Sample| (sample.x.s, sample.time);
+        let above = samples.partition_point(|sample| sample.x.s < s);
+        let from = above.checked_sub(1).map_or((0.0, start), |i| place(&samples[i]));
+        let Some(to) = samples.get(above).map(place).or(end) else { return from.1 };
+        let share = (s - from.0) / (to.0 - from.0).max(f64::EPSILON);
+        from.1 + share * (to.1 - from.1)
+    }
+
+    /// Whether a lap is fit for the safe set, the one in progress as far as it got.
+    pub(crate) fn fit(&self, lap: usize) -> bool {
+        let Current { from_line, clean, .. } = self.current;
+        self.laps.get(lap).map_or(from_line && clean, |lap| lap.result.valid)
+    }
+
+    /// When the car came to the query's place in the lap after `lap`. The query lies in lap `now`, which gets
+    /// there at the query's time. A lap that led to nothing of use is taken to repeat itself.
+    pub(crate) fn next_passing(&self, lap: usize, now: usize, query: &Query) -> f64 {
+        let next = lap + 1;
+        let led_there = next > self.laps.len() || self.driven(next).1 && self.fit(next);
+        match self.laps.get(lap) {
+            Some(own) if !led_there => {
+                self.passing(lap, query.s, query.length) + own.result.lap_time
+            }
+            _ if next < now => self.passing(next, query.s, query.length),
+            _ => query.arrival,
+        }
+    }
+
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,
     /// those past its end in the lap that followed, up to the first interruption.
     pub(crate) fn seen_from(&self, lap: usize, index: isize, length: f64) -> Option<Seen<'_>> {
-        let own = &self.laps[lap].samples;
+        let (own, follows) = self.driven(lap);
         if index < 0 {
-            if !self.laps[lap].follows || lap == 0 {
+            if !follows || lap == 0 {
                 return None;
             }
             let before = &self.laps[lap - 1].samples;
@@ -94,10 +130,10 @@ impl Dataset {
         if let Some(sample) = own.get(i) {
             return Some(Seen { sample, offset: 0.0 });
         }
-        let (behind, follows) =
-            self.laps.get(lap + 1).map_or((&self.current.samples, self.current.follows), |next| {
-                (&next.samples, next.follows)
-            });
+        if lap == self.laps.len() {
+            return None;
+        }
+        let (behind, follows) = self.driven(lap + 1);
         if !follows {
             return None;
         }

@@ -2,13 +2,23 @@
 //! to the predicted terminal state.
 //!
 //! A lap is seen together with the end of the lap before it and the start of the lap that
-//! followed, as driven: before its line the cost-to-go grows past T_i, behind its line it is
-//! 0, -1, -2, ... The set is taken in the frame of the lap that the query lies in, so that nothing
-//! jumps when the car itself crosses the line.
+//! followed, as driven. The set is taken in the frame of the lap that the query lies in, so that
+//! nothing jumps when the car itself crosses the line. The cost-to-go of a point of lap i at the time t is
+//!
+//! ```text
+//! J = T_i - k, the periods from t to the end of lap i; negative behind it          cost_to_go = "line"
+//! J = (t_{i+1}(s_q) - t) / dt                                                      cost_to_go = "round"
+//! ```
+//!
+//! with the time t_{i+1}(s_q) at which the car came to the query's place in the lap that followed, or is
+//! about to: then it is that of the plan's end. With "round" the laps are compared by the time of that
+//! round, and the last one counts from its line on. With "line" the set falls back by one lap where the
+//! query crosses the line, and the laps that cost the same before it differ by their lap times behind it.
 
 use nalgebra::{Vector2, Vector6};
 
 use super::dataset::{Dataset, Seen};
+use crate::config::{CostToGo, SafeSetConfig, Selection};
 
 /// The safe-set points around a query.
 #[derive(Debug, Clone, Default)]
@@ -21,17 +31,20 @@ pub struct SafeSet {
     pub(crate) inputs: Vec<Vector2<f64>>,
     /// s of each point's successor.
     pub(crate) successor_s: Vec<f64>,
+    /// The laps they are taken from, best first, each with the time at which the car came to the query's
+    /// place one lap later.
+    laps: Vec<(usize, f64)>,
 }
 
 impl SafeSet {
-    /// Fills the set around `s_query` with `neighbors` points from each of `count` laps; if
-    /// fewer than `count` laps are selected they are repeated. Empty if there is none.
+    /// Fills the set around the query with K points from each of P laps; if fewer laps are there
+    /// they are repeated. `selected` are the best of the laps learned from; empty if there is none.
     pub(crate) fn fill(
         &mut self,
         data: &Dataset,
         selected: &[usize],
         query: &Query,
-        (neighbors, count): (usize, usize),
+        config: &SafeSetConfig,
     ) {
         self.points.clear();
         self.cost_to_go.clear();
@@ -41,10 +54,12 @@ impl SafeSet {
             return;
         }
         // The query may lie laps ahead of the frame it is given in, by at most one in practice.
-        let laps_ahead = (query.s / query.length).floor() * query.length;
-        let local = Query { s: query.s - laps_ahead, ..*query };
-        for i in 0..count {
-            self.take_from(data, selected[i % selected.len()], &local, neighbors, laps_ahead);
+        let ahead = (query.s / query.length).floor();
+        let local = Query { s: query.s - ahead * query.length, ..*query };
+        self.choose_laps(data, selected, (&local, ahead as usize), config);
+        for i in 0..config.laps {
+            let lap = self.laps[i % self.laps.len()];
+            self.take_from(data, lap, &local, config.neighbors, ahead * query.length);
         }
         let least = self.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         for cost in &mut self.cost_to_go {
@@ -52,18 +67,43 @@ impl SafeSet {
         }
     }
 
+    /// The laps to take points from; the query's lap lies `ahead` of the one in progress.
+    fn choose_laps(
+        &mut self,
+        data: &Dataset,
+        selected: &[usize],
+        (query, ahead): (&Query, usize),
+        config: &SafeSetConfig,
+    ) {
+        self.laps.clear();
+        if config.cost_to_go == CostToGo::Line {
+            self.laps.extend(selected.iter().map(|&lap| (lap, data.laps[lap].end_time)));
+            return;
+        }
+        let now = data.laps.len() + ahead.min(1);
+        let later = |lap: usize| (lap, data.next_passing(lap, now, query));
+        self.laps.extend(selected.iter().map(|&lap| later(lap)));
+        self.laps.extend((query.learned..now).filter(|&lap| data.fit(lap)).map(later));
+        let round = |(lap, later): (usize, f64)| later - data.passing(lap, query.s, query.length);
+        self.laps.sort_unstable_by(|&a, &b| match config.selection {
+            Selection::Fastest => round(a).total_cmp(&round(b)).then(b.0.cmp(&a.0)),
+            Selection::Recent => b.0.cmp(&a.0),
+        });
+        self.laps.truncate(config.laps);
+    }
+
     /// Takes the samples nearest to the query's s from one lap, both ways from the nearest.
     fn take_from(
         &mut self,
         data: &Dataset,
-        lap: usize,
+        (lap, later): (usize, f64),
         query: &Query,
         neighbors: usize,
         shift: f64,
     ) {
         let see = |index: isize| data.seen_from(lap, index, query.length);
         let distance = |seen: &Seen| (seen.sample.x.s + seen.offset - query.s).abs();
-        let own = &data.laps[lap].samples;
+        let (own, _) = data.driven(lap);
         // partition_point is at most the number of samples, which fits isize.
         let mut above = own.partition_point(|sample| sample.x.s < query.s) as isize;
         let mut below = above - 1;
@@ -87,7 +127,7 @@ impl SafeSet {
             let mut point = seen.sample.x.to_vector();
             point[4] = s;
             self.points.push(point);
-            self.cost_to_go.push(data.laps[lap].cost_to_go(seen.sample.time, query.period));
+            self.cost_to_go.push((later - seen.sample.time) / query.period);
             self.inputs.push(seen.sample.u.to_vector());
             self.successor_s.push(successor);
         }
@@ -154,4 +194,108 @@ pub(crate) struct Query {
     pub(crate) length: f64,
     /// Sampling period [s].
     pub(crate) period: f64,
+    /// Number of laps that the selected ones were selected from.
+    pub(crate) learned: usize,
+    /// When the plan gets to s [s].
+    pub(crate) arrival: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use vehicle_model::{Input, State};
+
+    use super::*;
+    use crate::lap_number::LapNumber;
+    use crate::learning::dataset::Sample;
+    use crate::status::LapKind;
+
+    const LENGTH: f64 = 10.0;
+    const PERIOD: f64 = 0.1;
+    /// Speeds of the laps, the last one in progress \[m/s\].
+    const SPEEDS: [f64; 4] = [1.0, 1.3, 1.7, 2.1];
+
+    /// Laps at these speeds without a stop, and the time at which the last sample was taken.
+    fn laps() -> (Dataset, f64) {
+        let mut data = Dataset::default();
+        (data.current.from_line, data.current.clean) = (true, true);
+        let (mut s, mut time) = (0.05, 0.05);
+        for (lap, v_x) in SPEEDS.into_iter().enumerate() {
+            while s < LENGTH {
+                let x = State { v_x, s, ..State::default() };
+                let next = Some([v_x, 0.0, 0.0]);
+                data.current.samples.push(Sample { time, x, u: Input::default(), next });
+                (s, time) = (s + PERIOD * v_x, time + PERIOD);
+            }
+            if lap + 1 < SPEEDS.len() {
+                let end = time - (s - LENGTH) / v_x;
+                data.close(LapNumber::default(), LapKind::Learning, end).unwrap();
+                s -= LENGTH;
+            }
+        }
+        (data, time - PERIOD)
+    }
+
+    fn filled(s: f64, cost_to_go: CostToGo, arrival: f64) -> SafeSet {
+        let (data, _) = laps();
+        let selection = Selection::Fastest;
+        let config = SafeSetConfig { neighbors: 4, laps: 2, selection, cost_to_go };
+        let query = Query { s, length: LENGTH, period: PERIOD, learned: 3, arrival };
+        let mut set = SafeSet::default();
+        set.fill(&data, &[2, 1], &query, &config);
+        set
+    }
+
+    #[test]
+    fn to_the_line_the_cost_counts_the_periods_to_the_end_of_the_lap() {
+        let set = filled(8.0, CostToGo::Line, 0.0);
+        for (point, cost) in set.points.iter().zip(&set.cost_to_go) {
+            // Two of a lap's four points lie behind the query's place: the least cost is that of the fastest
+            // lap's farthest point.
+            let periods = (LENGTH - point[4]) / point[0] / PERIOD;
+            let farthest = set.points.iter().map(|p| (LENGTH - p[4]) / p[0]).fold(9.0, f64::min);
+            assert!((cost - (periods - farthest / PERIOD)).abs() < 1e-9, "{point:?} {cost}");
+        }
+    }
+
+    #[test]
+    fn round_the_cost_counts_the_periods_to_the_same_place_one_lap_later() {
+        let s = 8.0;
+        let (data, now) = laps();
+        let here = data.current.samples.last().unwrap().x;
+        // The plan goes on as the lap in progress began.
+        let arrival = now + (s - here.s) / here.v_x;
+        let set = filled(s, CostToGo::Round, arrival);
+        let least = set.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(least, 0.0);
+        let cost = |point: &Vector6<f64>| {
+            let lap = SPEEDS.iter().position(|v| *v == point[0]).unwrap();
+            ((LENGTH - point[4]) / SPEEDS[lap] + s / SPEEDS[lap + 1]) / PERIOD
+        };
+        let best = set.points.iter().map(cost).fold(f64::INFINITY, f64::min);
+        for (point, found) in set.points.iter().zip(&set.cost_to_go) {
+            assert!((found - (cost(point) - best)).abs() < 0.03, "{point:?} {found}");
+        }
+    }
+
+    #[test]
+    fn nothing_changes_where_the_query_crosses_the_line() {
+        let (data, now) = laps();
+        let here = data.current.samples.last().unwrap().x;
+        let arrival = |s: f64| now + (s - here.s) / here.v_x;
+        let sets = [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Round, arrival(LENGTH + d)));
+        let [before, behind] = &sets;
+        for (a, b) in before.points.iter().zip(&behind.points) {
+            assert!((a - b).norm() < 1e-9, "{a} {b}");
+        }
+        for (a, b) in before.cost_to_go.iter().zip(&behind.cost_to_go) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+        // With the cost to the line the newest points are not there any more.
+        let [before, behind] =
+            [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Line, arrival(LENGTH + d)));
+        let fastest = |set: &SafeSet| set.points.iter().map(|p| p[0]).fold(0.0, f64::max);
+        assert!(fastest(&before) > fastest(&behind) + 0.1);
+    }
 }

@@ -1,5 +1,7 @@
 //! Lateral tyre forces: slip angles and the Pacejka curve.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::number::{Function, Number, Real};
 use crate::params::Tyre;
 
@@ -28,6 +30,30 @@ pub(super) fn slip_angles<T: Number>(l_f: f64, l_r: f64, v: &[T; 3], delta: T) -
 #[inline(always)]
 pub(super) fn lateral_force<T: Number>(tyre: &Tyre, peak: T, alpha: T) -> T {
     peak * alpha.through(&Curve { tyre })
+}
+
+impl Tyre {
+    /// F_y / D at a slip angle, and its derivative as linearisations have it \[1/rad\].
+    #[must_use]
+    pub fn force_share(&self, alpha: f64) -> (f64, f64) {
+        let (sin, cos) = curve(self, alpha);
+        let tangent = cos * self.b * self.c / (1.0 + self.b * self.b * alpha * alpha);
+        let excess = match self.secant.length > 0.0 {
+            true => excess_slope(self, alpha, sin, cos),
+            false => 0.0,
+        };
+        (sin, tangent + excess)
+    }
+
+    /// The slip angle, peak slip at most, whose F_y / D is `share` \[rad\]; that of the peak beyond it.
+    #[must_use]
+    pub fn slip_of(&self, share: f64) -> f64 {
+        let most = libm::sin(self.c.min(1.0) * FRAC_PI_2);
+        if share.abs() >= most {
+            return self.peak_slip().copysign(share);
+        }
+        libm::tan(libm::asin(share) / self.c) / self.b
+    }
 }
 
 /// sin(C atan(B alpha)) with that derivative.
