@@ -119,6 +119,8 @@ impl Config {
             self.nominal.adapt_grip = false;
             self.regression.ridge = LAGGING_RIDGE;
             self.nominal.secant = LAGGING_SECANT;
+            // Its force follows what acts, not what is commanded.
+            self.nominal.inverse_tyre = false;
             self.envelope.growth_least = LAGGING_GROWTH;
             self.cost.slip *= LAGGING_SLIP;
         }

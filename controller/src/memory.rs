@@ -17,7 +17,6 @@ use crate::lap_end::{Derived, LapEnd};
 use crate::lap_number::LapNumber;
 use crate::learning::dataset::{Dataset, Lap};
 use crate::learning::grip_sums::GripSums;
-use crate::learning::safe_set::Query;
 use crate::plan::Plan;
 use crate::prediction_error::PredictionError;
 use crate::recovery::Recovery;
@@ -174,23 +173,6 @@ impl Memory {
     /// Valid initial laps so far.
     pub(crate) fn valid_laps(&self) -> usize {
         self.dataset.laps.iter().filter(|lap| lap.result.valid).count()
-    }
-
-    /// Where the safe set is asked for.
-    pub(crate) fn query(&self, length: f64, period: f64) -> Query {
-        // The plan begins at the coming measurement, behind the inputs that do not act yet.
-        let steps = 1 + self.queue.len() + self.plan.u.len();
-        let end = self.last.map_or(0.0, |last| last.time) + period * steps as f64;
-        let missing = self.plan.x.last().map_or(0.0, |end| (self.query_s - end.s) / end.v_x);
-        // A plan that stands still gets nowhere.
-        let missing = if missing.abs() < period { missing } else { 0.0 };
-        Query {
-            s: self.query_s,
-            length,
-            period,
-            learned: self.lap_end.learned,
-            arrival: end + missing,
-        }
     }
 
     /// The plan no longer fits where the car is.

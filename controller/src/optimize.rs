@@ -9,7 +9,7 @@ use crate::fhocp::{Affine, Fhocp, FhocpSolver, Slacks, Solution, SolveReport, So
 use crate::lane;
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::regression::{RegressionData, Scratch};
-use crate::learning::safe_set::SafeSet;
+use crate::learning::safe_set::{Query, SafeSet};
 use crate::learning::speed_limit::SpeedLimit;
 use crate::memory::Memory;
 use crate::slip::{self, Dissipation};
@@ -153,7 +153,12 @@ impl Workspace {
         self.regress(setup, memory);
         probe.end(Phase::Regress);
         probe.begin(Phase::SafeSet);
-        let query = memory.query(setup.track.length(), setup.config.horizon.period);
+        let query = Query {
+            s: memory.query_s,
+            length: setup.track.length(),
+            period: setup.config.horizon.period,
+            learned: memory.lap_end.learned,
+        };
         let config = &setup.config.safe_set;
         self.safe_set.fill(&memory.dataset, &memory.selected, &query, config);
         let road = &memory.derived.road_speed;

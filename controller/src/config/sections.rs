@@ -112,7 +112,8 @@ section! {
     secant "secant": f64, symbol "", unit "", range (0.0, 0.4),
         from car_and_track "longer where actuators lag by more than half a period";
     /// Whether the first steering angle gives the front tyre the force that its linearisation promised.
-    inverse_tyre "inverse_tyre": bool, symbol "", unit "", range (), from preset;
+    inverse_tyre "inverse_tyre": bool, symbol "", unit "", range (),
+        from car_and_track "off where actuators lag by more than half a period";
 }
 
 section! {

@@ -99,18 +99,16 @@ impl Dataset {
         self.laps.get(lap).map_or(from_line && clean, |lap| lap.result.valid)
     }
 
-    /// When the car came to the query's place in the lap after `lap`. The query lies in lap `now`, which gets
-    /// there at the query's time. A lap that led to nothing of use is taken to repeat itself.
+    /// When the car came to the query's place in the lap after `lap`; the query lies in lap `now`. A lap that
+    /// led to nothing of use, or not yet, is taken to repeat itself, the one in progress to take as long as the last.
     pub(crate) fn next_passing(&self, lap: usize, now: usize, query: &Query) -> f64 {
         let next = lap + 1;
-        let led_there = next > self.laps.len() || self.driven(next).1 && self.fit(next);
-        match self.laps.get(lap) {
-            Some(own) if !led_there => {
-                self.passing(lap, query.s, query.length) + own.result.lap_time
-            }
-            _ if next < now => self.passing(next, query.s, query.length),
-            _ => query.arrival,
+        if next < now && self.driven(next).1 && self.fit(next) {
+            return self.passing(next, query.s, query.length);
         }
+        let alike = self.laps.get(lap).or(self.laps.last());
+        let round = alike.map_or(0.0, |lap| lap.result.lap_time);
+        self.passing(lap, query.s, query.length) + round
     }
 
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,

@@ -10,8 +10,8 @@
 //! J = (t_{i+1}(s_q) - t) / dt                                                      cost_to_go = "round"
 //! ```
 //!
-//! with the time t_{i+1}(s_q) at which the car came to the query's place in the lap that followed, or is
-//! about to: then it is that of the plan's end. With "round" the laps are compared by the time of that
+//! with the time t_{i+1}(s_q) at which the car came to the query's place in the lap that followed; a lap that
+//! did not lead there yet is taken to repeat itself. With "round" the laps are compared by the time of that
 //! round, and the last one counts from its line on. With "line" the set falls back by one lap where the
 //! query crosses the line, and the laps that cost the same before it differ by their lap times behind it.
 
@@ -31,8 +31,7 @@ pub struct SafeSet {
     pub(crate) inputs: Vec<Vector2<f64>>,
     /// s of each point's successor.
     pub(crate) successor_s: Vec<f64>,
-    /// The laps they are taken from, best first, each with the time at which the car came to the query's
-    /// place one lap later.
+    /// The laps they are taken from, best first, each with the time that the cost-to-go counts to.
     laps: Vec<(usize, f64)>,
 }
 
@@ -196,8 +195,6 @@ pub(crate) struct Query {
     pub(crate) period: f64,
     /// Number of laps that the selected ones were selected from.
     pub(crate) learned: usize,
-    /// When the plan gets to s [s].
-    pub(crate) arrival: f64,
 }
 
 #[cfg(test)]
@@ -216,8 +213,8 @@ mod tests {
     /// Speeds of the laps, the last one in progress \[m/s\].
     const SPEEDS: [f64; 4] = [1.0, 1.3, 1.7, 2.1];
 
-    /// Laps at these speeds without a stop, and the time at which the last sample was taken.
-    fn laps() -> (Dataset, f64) {
+    /// Laps at these speeds without a stop.
+    fn laps() -> Dataset {
         let mut data = Dataset::default();
         (data.current.from_line, data.current.clean) = (true, true);
         let (mut s, mut time) = (0.05, 0.05);
@@ -234,14 +231,14 @@ mod tests {
                 s -= LENGTH;
             }
         }
-        (data, time - PERIOD)
+        data
     }
 
-    fn filled(s: f64, cost_to_go: CostToGo, arrival: f64) -> SafeSet {
-        let (data, _) = laps();
+    fn filled(s: f64, cost_to_go: CostToGo) -> SafeSet {
+        let data = laps();
         let selection = Selection::Fastest;
         let config = SafeSetConfig { neighbors: 4, laps: 2, selection, cost_to_go };
-        let query = Query { s, length: LENGTH, period: PERIOD, learned: 3, arrival };
+        let query = Query { s, length: LENGTH, period: PERIOD, learned: 3 };
         let mut set = SafeSet::default();
         set.fill(&data, &[2, 1], &query, &config);
         set
@@ -249,7 +246,7 @@ mod tests {
 
     #[test]
     fn to_the_line_the_cost_counts_the_periods_to_the_end_of_the_lap() {
-        let set = filled(8.0, CostToGo::Line, 0.0);
+        let set = filled(8.0, CostToGo::Line);
         for (point, cost) in set.points.iter().zip(&set.cost_to_go) {
             // Two of a lap's four points lie behind the query's place: the least cost is that of the fastest
             // lap's farthest point.
@@ -262,16 +259,14 @@ mod tests {
     #[test]
     fn round_the_cost_counts_the_periods_to_the_same_place_one_lap_later() {
         let s = 8.0;
-        let (data, now) = laps();
-        let here = data.current.samples.last().unwrap().x;
-        // The plan goes on as the lap in progress began.
-        let arrival = now + (s - here.s) / here.v_x;
-        let set = filled(s, CostToGo::Round, arrival);
+        let set = filled(s, CostToGo::Round);
         let least = set.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         assert_eq!(least, 0.0);
         let cost = |point: &Vector6<f64>| {
             let lap = SPEEDS.iter().position(|v| *v == point[0]).unwrap();
-            ((LENGTH - point[4]) / SPEEDS[lap] + s / SPEEDS[lap + 1]) / PERIOD
+            // The last closed lap has not led there yet.
+            let next = if lap == 2 { lap } else { lap + 1 };
+            ((LENGTH - point[4]) / SPEEDS[lap] + s / SPEEDS[next]) / PERIOD
         };
         let best = set.points.iter().map(cost).fold(f64::INFINITY, f64::min);
         for (point, found) in set.points.iter().zip(&set.cost_to_go) {
@@ -281,10 +276,7 @@ mod tests {
 
     #[test]
     fn nothing_changes_where_the_query_crosses_the_line() {
-        let (data, now) = laps();
-        let here = data.current.samples.last().unwrap().x;
-        let arrival = |s: f64| now + (s - here.s) / here.v_x;
-        let sets = [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Round, arrival(LENGTH + d)));
+        let sets = [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Round));
         let [before, behind] = &sets;
         for (a, b) in before.points.iter().zip(&behind.points) {
             assert!((a - b).norm() < 1e-9, "{a} {b}");
@@ -293,8 +285,7 @@ mod tests {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
         // With the cost to the line the newest points are not there any more.
-        let [before, behind] =
-            [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Line, arrival(LENGTH + d)));
+        let [before, behind] = [-1e-6, 1e-6].map(|d| filled(LENGTH + d, CostToGo::Line));
         let fastest = |set: &SafeSet| set.points.iter().map(|p| p[0]).fold(0.0, f64::max);
         assert!(fastest(&before) > fastest(&behind) + 0.1);
     }
