@@ -93,22 +93,23 @@ impl Dataset {
         from.1 + share * (to.1 - from.1)
     }
 
-    /// Whether a lap is fit for the safe set, the one in progress as far as it got.
+    /// Whether a lap is fit for the safe set, the one in progress as far as it got: one that began at a
+    /// standstill is no measure.
     pub(crate) fn fit(&self, lap: usize) -> bool {
-        let Current { from_line, clean, .. } = self.current;
-        self.laps.get(lap).map_or(from_line && clean, |lap| lap.result.valid)
+        let Current { from_line, clean, follows, .. } = self.current;
+        self.laps.get(lap).map_or(from_line && clean && follows, |lap| lap.result.valid)
     }
 
-    /// When the car came to the query's place in the lap after `lap`; the query lies in lap `now`. A lap that
-    /// led to nothing of use, or not yet, is taken to repeat itself, the one in progress to take as long as the last.
-    pub(crate) fn next_passing(&self, lap: usize, now: usize, query: &Query) -> f64 {
+    /// When the car came to the query's place in the lap after `lap`, which passed it at `here`; the query lies in
+    /// lap `now`. A lap that led to nothing of use, or not yet, is taken to repeat itself, the one in progress to
+    /// take as long as the last \[s\].
+    pub(crate) fn next_passing(&self, (lap, here): (usize, f64), now: usize, query: &Query) -> f64 {
         let next = lap + 1;
         if next < now && self.driven(next).1 && self.fit(next) {
             return self.passing(next, query.s, query.length);
         }
         let alike = self.laps.get(lap).or(self.laps.last());
-        let round = alike.map_or(0.0, |lap| lap.result.lap_time);
-        self.passing(lap, query.s, query.length) + round
+        here + alike.map_or(0.0, |lap| lap.result.lap_time)
     }
 
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,

@@ -17,7 +17,7 @@
 
 use nalgebra::{Vector2, Vector6};
 
-use super::dataset::{Dataset, Seen};
+use super::dataset::{Dataset, Lap, Seen};
 use crate::config::{CostToGo, SafeSetConfig, Selection};
 
 /// The safe-set points around a query.
@@ -31,8 +31,18 @@ pub struct SafeSet {
     pub(crate) inputs: Vec<Vector2<f64>>,
     /// s of each point's successor.
     pub(crate) successor_s: Vec<f64>,
-    /// The laps they are taken from, best first, each with the time that the cost-to-go counts to.
-    laps: Vec<(usize, f64)>,
+    /// The laps they are taken from, best first.
+    laps: Vec<Source>,
+}
+
+/// A lap that points are taken from.
+#[derive(Debug, Clone, Copy)]
+struct Source {
+    lap: usize,
+    /// Time of its round \[s\].
+    round: f64,
+    /// The time that the cost-to-go counts to \[s\].
+    until: f64,
 }
 
 impl SafeSet {
@@ -57,8 +67,8 @@ impl SafeSet {
         let local = Query { s: query.s - ahead * query.length, ..*query };
         self.choose_laps(data, selected, (&local, ahead as usize), config);
         for i in 0..config.laps {
-            let lap = self.laps[i % self.laps.len()];
-            self.take_from(data, lap, &local, config.neighbors, ahead * query.length);
+            let source = self.laps[i % self.laps.len()];
+            self.take_from(data, source, &local, config.neighbors, ahead * query.length);
         }
         let least = self.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         for cost in &mut self.cost_to_go {
@@ -76,17 +86,24 @@ impl SafeSet {
     ) {
         self.laps.clear();
         if config.cost_to_go == CostToGo::Line {
-            self.laps.extend(selected.iter().map(|&lap| (lap, data.laps[lap].end_time)));
+            let source = |&lap: &usize| {
+                let Lap { result, end_time, .. } = &*data.laps[lap];
+                Source { lap, round: result.lap_time, until: *end_time }
+            };
+            self.laps.extend(selected.iter().map(source));
             return;
         }
         let now = data.laps.len() + ahead.min(1);
-        let later = |lap: usize| (lap, data.next_passing(lap, now, query));
-        self.laps.extend(selected.iter().map(|&lap| later(lap)));
-        self.laps.extend((query.learned..now).filter(|&lap| data.fit(lap)).map(later));
-        let round = |(lap, later): (usize, f64)| later - data.passing(lap, query.s, query.length);
-        self.laps.sort_unstable_by(|&a, &b| match config.selection {
-            Selection::Fastest => round(a).total_cmp(&round(b)).then(b.0.cmp(&a.0)),
-            Selection::Recent => b.0.cmp(&a.0),
+        let source = |lap: usize| {
+            let here = data.passing(lap, query.s, query.length);
+            let until = data.next_passing((lap, here), now, query);
+            Source { lap, round: until - here, until }
+        };
+        self.laps.extend(selected.iter().map(|&lap| source(lap)));
+        self.laps.extend((query.learned..now).filter(|&lap| data.fit(lap)).map(source));
+        self.laps.sort_unstable_by(|a, b| match config.selection {
+            Selection::Fastest => a.round.total_cmp(&b.round).then(b.lap.cmp(&a.lap)),
+            Selection::Recent => b.lap.cmp(&a.lap),
         });
         self.laps.truncate(config.laps);
     }
@@ -95,7 +112,7 @@ impl SafeSet {
     fn take_from(
         &mut self,
         data: &Dataset,
-        (lap, later): (usize, f64),
+        Source { lap, until, .. }: Source,
         query: &Query,
         neighbors: usize,
         shift: f64,
@@ -126,7 +143,7 @@ impl SafeSet {
             let mut point = seen.sample.x.to_vector();
             point[4] = s;
             self.points.push(point);
-            self.cost_to_go.push((later - seen.sample.time) / query.period);
+            self.cost_to_go.push((until - seen.sample.time) / query.period);
             self.inputs.push(seen.sample.u.to_vector());
             self.successor_s.push(successor);
         }
