@@ -124,19 +124,19 @@ impl SafeSet {
         let mut above = own.partition_point(|sample| sample.x.s < query.s) as isize;
         let mut below = above - 1;
         for _ in 0..neighbors {
-            let index = match (see(below), see(above)) {
-                (Some(b), Some(a)) if distance(&b) <= distance(&a) => below,
-                (_, Some(_)) => above,
-                (Some(_), None) => below,
+            let (index, seen) = match (see(below), see(above)) {
+                (Some(b), Some(a)) if distance(&b) <= distance(&a) => (below, Some(b)),
+                (_, Some(a)) => (above, Some(a)),
+                (Some(b), None) => (below, Some(b)),
                 // A lap with too few samples: its last point again keeps the size.
-                (None, None) => below + 1,
+                (None, None) => (below + 1, see(below + 1)),
             };
             if index == below {
                 below -= 1;
             } else {
                 above = above.max(index + 1);
             }
-            let Some(seen) = see(index) else { continue };
+            let Some(seen) = seen else { continue };
             let s = seen.sample.x.s + seen.offset + shift;
             let successor = see(index + 1)
                 .map_or(s + seen.sample.x.v_x * query.period, |n| n.sample.x.s + n.offset + shift);
