@@ -7,7 +7,6 @@ use vehicle_model::{Input, State};
 
 use crate::config::{SafeSetConfig, Selection};
 use crate::lap_number::LapNumber;
-use crate::learning::safe_set::Query;
 use crate::status::{LapKind, LapResult};
 
 /// One measured transition.
@@ -98,18 +97,6 @@ impl Dataset {
     pub(crate) fn fit(&self, lap: usize) -> bool {
         let Current { from_line, clean, follows, .. } = self.current;
         self.laps.get(lap).map_or(from_line && clean && follows, |lap| lap.result.valid)
-    }
-
-    /// When the car came to the query's place in the lap after `lap`, which passed it at `here`; the query lies in
-    /// lap `now`. A lap that led to nothing of use, or not yet, is taken to repeat itself, the one in progress to
-    /// take as long as the last \[s\].
-    pub(crate) fn next_passing(&self, (lap, here): (usize, f64), now: usize, query: &Query) -> f64 {
-        let next = lap + 1;
-        if next < now && self.driven(next).1 && self.fit(next) {
-            return self.passing(next, query.s, query.length);
-        }
-        let alike = self.laps.get(lap).or(self.laps.last());
-        here + alike.map_or(0.0, |lap| lap.result.lap_time)
     }
 
     /// Sample `index` counted from the first of `lap`; negative ones lie in the lap before it,

@@ -46,8 +46,8 @@ struct Source {
 }
 
 impl SafeSet {
-    /// Fills the set around the query with K points from each of P laps; if fewer laps are there
-    /// they are repeated. `selected` are the best of the laps learned from; empty if there is none.
+    /// Fills the set around the query with K points from each of P laps. With fewer than P laps some give their
+    /// points several times. `selected` has the best of the laps learned from; if it is empty, so is the set.
     pub(crate) fn fill(
         &mut self,
         data: &Dataset,
@@ -96,7 +96,7 @@ impl SafeSet {
         let now = data.laps.len() + ahead.min(1);
         let source = |lap: usize| {
             let here = data.passing(lap, query.s, query.length);
-            let until = data.next_passing((lap, here), now, query);
+            let until = query.next_passing(data, (lap, here), now);
             Source { lap, round: until - here, until }
         };
         self.laps.extend(selected.iter().map(|&lap| source(lap)));
@@ -212,6 +212,20 @@ pub(crate) struct Query {
     pub(crate) period: f64,
     /// Number of laps that the selected ones were selected from.
     pub(crate) learned: usize,
+}
+
+impl Query {
+    /// When the car came to the place in the lap after `lap`, which passed it at `here`; the place lies in lap
+    /// `now`. A lap that led to nothing of use, or not yet, is taken to repeat itself, the one in progress to
+    /// take as long as the last \[s\].
+    fn next_passing(&self, data: &Dataset, (lap, here): (usize, f64), now: usize) -> f64 {
+        let next = lap + 1;
+        if next < now && data.driven(next).1 && data.fit(next) {
+            return data.passing(next, self.s, self.length);
+        }
+        let alike = data.laps.get(lap).or(data.laps.last());
+        here + alike.map_or(0.0, |lap| lap.result.lap_time)
+    }
 }
 
 #[cfg(test)]
