@@ -92,6 +92,16 @@ impl Dataset {
         from.1 + share * (to.1 - from.1)
     }
 
+    /// How long the car took for the round that it has just driven, from where it is in the lap in progress back
+    /// to there in the last one; none where an interruption lies between \[s\].
+    pub(crate) fn last_round(&self, length: f64) -> Option<f64> {
+        let lap = self.laps.len();
+        let last = lap.checked_sub(1).filter(|_| self.fit(lap))?;
+        let begin = (0.0, self.current.start_time);
+        let (s, time) = self.current.samples.last().map_or(begin, |x| (x.x.s, x.time));
+        Some(time - self.passing(last, s, length))
+    }
+
     /// Whether a lap is fit for the safe set, the one in progress as far as it got: one that began at a
     /// standstill is no measure.
     pub(crate) fn fit(&self, lap: usize) -> bool {

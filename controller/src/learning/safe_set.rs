@@ -10,9 +10,10 @@
 //! J = (t_{i+1}(s_q) - t) / dt                                                      cost_to_go = "round"
 //! ```
 //!
-//! with the time t_{i+1}(s_q) at which the car came to the query's place in the lap that followed; a lap that
-//! did not lead there yet is taken to repeat itself. With "round" the laps are compared by the time of that
-//! round, and the last one counts from its line on. With "line" the set falls back by one lap where the
+//! with the time t_{i+1}(s_q) at which the car came to the query's place in the lap that followed; where it is
+//! still on the way there, the round that it has just driven, from its present place in the last lap, counts
+//! instead. With "round" the laps are compared by the time of that round, and the last one counts from its line
+//! on. With "line" the set falls back by one lap where the
 //! query crosses the line, and the laps that cost the same before it differ by their lap times behind it.
 
 use nalgebra::{Vector2, Vector6};
@@ -216,15 +217,16 @@ pub(crate) struct Query {
 
 impl Query {
     /// When the car came to the place in the lap after `lap`, which passed it at `here`; the place lies in lap
-    /// `now`. A lap that led to nothing of use, or not yet, is taken to repeat itself, the one in progress to
-    /// take as long as the last \[s\].
+    /// `now`. Where it did not come there yet, it is taken to need as long as for the round just driven; a lap
+    /// that led to nothing of use is taken to repeat itself \[s\].
     fn next_passing(&self, data: &Dataset, (lap, here): (usize, f64), now: usize) -> f64 {
         let next = lap + 1;
         if next < now && data.driven(next).1 && data.fit(next) {
             return data.passing(next, self.s, self.length);
         }
-        let alike = data.laps.get(lap).or(data.laps.last());
-        here + alike.map_or(0.0, |lap| lap.result.lap_time)
+        let own = || data.laps.get(lap).map(|lap| lap.result.lap_time);
+        let open = (next >= data.laps.len()).then(|| data.last_round(self.length)).flatten();
+        here + open.or_else(own).unwrap_or_default()
     }
 }
 
@@ -244,13 +246,17 @@ mod tests {
     /// Speeds of the laps, the last one in progress \[m/s\].
     const SPEEDS: [f64; 4] = [1.0, 1.3, 1.7, 2.1];
 
+    /// How far the lap in progress got \[m\].
+    const DRIVEN: f64 = 5.0;
+
     /// Laps at these speeds without a stop.
     fn laps() -> Dataset {
         let mut data = Dataset::default();
         (data.current.from_line, data.current.clean) = (true, true);
         let (mut s, mut time) = (0.05, 0.05);
         for (lap, v_x) in SPEEDS.into_iter().enumerate() {
-            while s < LENGTH {
+            let end = if lap + 1 < SPEEDS.len() { LENGTH } else { DRIVEN };
+            while s < end {
                 let x = State { v_x, s, ..State::default() };
                 let next = Some([v_x, 0.0, 0.0]);
                 data.current.samples.push(Sample { time, x, u: Input::default(), next });
@@ -293,11 +299,14 @@ mod tests {
         let set = filled(s, CostToGo::Round);
         let least = set.cost_to_go.iter().copied().fold(f64::INFINITY, f64::min);
         assert_eq!(least, 0.0);
+        let driven = laps().current.samples.last().unwrap().x.s;
         let cost = |point: &Vector6<f64>| {
             let lap = SPEEDS.iter().position(|v| *v == point[0]).unwrap();
-            // The last closed lap has not led there yet.
-            let next = if lap == 2 { lap } else { lap + 1 };
-            ((LENGTH - point[4]) / SPEEDS[lap] + s / SPEEDS[next]) / PERIOD
+            let ahead_of_place = (s - point[4]) / SPEEDS[lap];
+            let round = |from: f64| (LENGTH - from) / SPEEDS[lap] + from / SPEEDS[lap + 1];
+            // The last closed lap has not led there yet: the round just driven counts.
+            let round = if lap == 2 { round(driven) } else { round(s) };
+            (ahead_of_place + round) / PERIOD
         };
         let best = set.points.iter().map(cost).fold(f64::INFINITY, f64::min);
         for (point, found) in set.points.iter().zip(&set.cost_to_go) {
