@@ -17,7 +17,7 @@ use crate::fhocp::Fhocp;
 /// speeds and edges that no lap has tried.
 const UNTRIED: f64 = 2.0;
 /// What of that is left with each learned lap.
-const LEFT: f64 = 0.6;
+const LEFT: f64 = 0.75;
 /// Most that the lane is narrower on each side, as a share of the track's width.
 const NARROWED: f64 = 0.1;
 

@@ -142,7 +142,7 @@ impl Config {
                 brake_reserve: 0.05,
                 slip_reserve: 0.12,
                 rear_load: true,
-                uncertainty: 2.0,
+                uncertainty: 2.5,
                 ..paper.limits
             },
             ..paper

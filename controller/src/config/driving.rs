@@ -22,8 +22,8 @@ section! {
     /// Least product of `control_rate` and `steering_rate`: below it the car weaves.
     steering_rate_floor "steering_rate_floor": f64, symbol "", unit "", range (0.0, 1e6),
         from car_and_track "that of the preset in the car's scale of time";
-    /// Gentle start: factor of the acceleration rate in the first learned lap, halved each lap
-    /// until `acceleration_rate` is reached. 0 switches it off.
+    /// Gentle start: factor of the acceleration rate in the first learned lap; each later lap has a quarter of
+    /// the factor before, down to `acceleration_rate`. 0 switches it off.
     gentle_start "gentle_start": f64, symbol "", unit "", range (0.0, 1e6),
         from car_and_track "that of the preset in the car's scales of time and acceleration";
     /// Factor of the curvature of tyre dissipation; 1 is that of the equations, 0 switches it off.

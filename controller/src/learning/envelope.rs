@@ -1,11 +1,12 @@
 //! The speed a plan may reach along the track: what driven laps and the grip known so far support,
 //! and what the brakes can take away again before the places that allow less.
 //!
-//! On a grid along s, over the laps of the safe set, with the lateral use of the grip
-//! `u = |omega_z v_x| / (mu (g + downforce / m))`:
+//! On a grid along s, over the laps of the safe set, with the speed v_c at which a point mass on the curvature
+//! that the place needs (`bends.rs`) uses a share of the grip:
 //!
 //! ```text
-//! v_0(s) = max_laps v(s) clamp(sqrt(share / u(s)), 1 + least, 1 + most)
+//! kappa_needed v_c^2 = share mu (g + downforce(v_c) / m)
+//! v_0(s) = max_laps clamp(v_c, (1 + least) v(s), (1 + most) v(s))
 //! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
 //! ```
 //!
@@ -17,7 +18,11 @@
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
 use serde::{Deserialize, Serialize};
-use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
+use vehicle_model::{CarParams, RoadPoint, State, Track};
+
+mod bends;
+
+use bends::Bends;
 
 use super::braking::{backward, between, deceleration, grid};
 use super::dataset::{Lap, Sample};
@@ -95,9 +100,15 @@ impl Envelope {
         }
         let (points, ds) = grid(car, track);
         let mut envelope = Self { ds, speed: vec![0.0; points], driven: vec![0.0; points] };
-        let tyres = Grip::new(car, grip);
+        let room = Room {
+            track,
+            grip: Grip::new(car, grip),
+            bends: Bends::new(track, points, ds),
+            share: config.grip_share,
+            range: [1.0 + config.growth_least, 1.0 + config.growth_most],
+        };
         for lap in laps {
-            envelope.add(config, &tyres, track, lap);
+            envelope.add(&room, lap);
         }
         if envelope.speed.iter().all(|v| *v == 0.0) {
             envelope.speed.clear();
@@ -125,23 +136,14 @@ impl Envelope {
     }
 
     /// Raises the grid to what a lap supports, between each two samples.
-    fn add(&mut self, config: &EnvelopeConfig, tyres: &Grip, track: &Track, lap: &Lap) {
+    fn add(&mut self, room: &Room<'_>, lap: &Lap) {
         let n = self.speed.len();
-        let growth = |s: f64, v: f64, omega: f64| {
-            let used = (omega * v).abs() / tyres.lateral(v);
-            let mut room = (config.grip_share / used.max(1e-6)).sqrt();
-            if !track.is_flat() {
-                room = tyres.room(config.grip_share, &RoadPoint::of(&track.road(), s), v, omega);
-            }
-            v * room.clamp(1.0 + config.growth_least, 1.0 + config.growth_most)
-        };
         for pair in lap.samples.windows(2) {
             let (from, to) = (&pair[0].x, &pair[1].x);
             if to.s <= from.s {
                 continue;
             }
-            let (low, high) =
-                (growth(from.s, from.v_x, from.omega_z), growth(to.s, to.v_x, to.omega_z));
+            let (low, high) = (room.speed(from), room.speed(to));
             let first = (from.s / self.ds).ceil() as usize;
             for i in first.. {
                 let share = (i as f64 * self.ds - from.s) / (to.s - from.s);
@@ -220,33 +222,44 @@ impl Braking<'_> {
     }
 }
 
-/// Lateral acceleration the tyres hold.
+/// What the tyres hold across the road.
 struct Grip {
-    /// At standstill \[m/s^2\].
-    still: f64,
-    /// What downforce adds per squared speed \[1/m\].
-    downforce: f64,
+    /// Friction coefficient.
+    mu: f64,
+    /// Downforce per mass and squared speed \[1/m\].
+    down: f64,
 }
 
 impl Grip {
     fn new(car: &CarParams, grip: [f64; 2]) -> Self {
         let mu = (car.tyre_front.mu * grip[0]).min(car.tyre_rear.mu * grip[1]);
-        let lift = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
-        Self { still: mu * GRAVITY, downforce: mu * lift }
+        let down = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
+        Self { mu, down }
     }
+}
 
-    /// Factor on the speed `v` at which a point mass on the driven line's curvature, on a road that
-    /// is not flat, uses this share of the grip.
-    fn room(&self, share: f64, road: &RoadPoint, v: f64, omega: f64) -> f64 {
+/// The speed that a lap supports.
+struct Room<'a> {
+    track: &'a Track,
+    grip: Grip,
+    bends: Bends,
+    /// Share of the grip that may be used.
+    share: f64,
+    /// Least and greatest factor on the driven speed.
+    range: [f64; 2],
+}
+
+impl Room<'_> {
+    /// The speed at which a point mass uses the share of the grip where the lap was in this state \[m/s\].
+    fn speed(&self, x: &State) -> f64 {
+        let road = RoadPoint::of(&self.track.road(), x.s);
         let bank = road.surface.map_or(0.0, |surface| surface.bank);
-        let kappa = omega / (v.max(1e-3) * libm::cos(bank));
-        let mu = share * self.still / GRAVITY;
-        let most = road.corner_speed(kappa, mu, self.downforce * GRAVITY / self.still);
-        most / v.max(1e-3)
-    }
-
-    fn lateral(&self, v: f64) -> f64 {
-        self.still + self.downforce * v * v
+        let driven = x.omega_z / (x.v_x.max(1e-3) * libm::cos(bank));
+        let kappa = self.bends.needed(x.s, x.e_y, driven).copysign(driven);
+        let most = road.corner_speed(kappa, self.share * self.grip.mu, self.grip.down);
+        let [least, greatest] = self.range;
+        let v = x.v_x.max(0.0);
+        most.clamp(least * v, greatest * v)
     }
 }
 
