@@ -20,13 +20,12 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, RoadPoint, State, Track};
 
-mod bends;
-
-use bends::Bends;
-
+use self::bends::Bends;
 use super::braking::{backward, between, deceleration, grid};
 use super::dataset::{Lap, Sample};
 use crate::config::EnvelopeConfig;
+
+mod bends;
 
 /// Share of the reserve beside the body whose use is no near miss.
 const TOLERATED: f64 = 0.5;
