@@ -278,7 +278,7 @@ impl Workspace {
     /// Rate weights per step difference, from those per second.
     fn weigh(&mut self, config: &Config, memory: &Memory) {
         let cost = &config.cost;
-        let gentle = cost.gentle_start * 0.25_f64.powi(memory.learned_laps.min(1000) as i32);
+        let gentle = cost.gentle_start * 0.35_f64.powi(memory.learned_laps.min(1000) as i32);
         let acceleration = cost.control_rate * cost.acceleration_rate.max(gentle);
         let steering = (cost.control_rate * cost.steering_rate).max(cost.steering_rate_floor);
         let dt = config.horizon.period;

@@ -22,7 +22,7 @@ section! {
     /// Least product of `control_rate` and `steering_rate`: below it the car weaves.
     steering_rate_floor "steering_rate_floor": f64, symbol "", unit "", range (0.0, 1e6),
         from car_and_track "that of the preset in the car's scale of time";
-    /// Gentle start: factor of the acceleration rate in the first learned lap; each later lap has a quarter of
+    /// Gentle start: factor of the acceleration rate in the first learned lap; each later lap has 0.35 of
     /// the factor before, down to `acceleration_rate`. 0 switches it off.
     gentle_start "gentle_start": f64, symbol "", unit "", range (0.0, 1e6),
         from car_and_track "that of the preset in the car's scales of time and acceleration";
