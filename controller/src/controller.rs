@@ -12,6 +12,7 @@ use crate::fhocp::Fhocp;
 use crate::filter::{Filter, Prediction};
 use crate::learned_model::{self, LearnedModel};
 use crate::learning::dataset::Lap;
+use crate::learning::envelope::Bends;
 use crate::learning::regression::Scratch;
 use crate::learning::safe_set::SafeSet;
 use crate::memory::Memory;
@@ -36,6 +37,8 @@ pub(crate) struct Setup {
     pub(crate) config: Config,
     pub(crate) car: CarParams,
     pub(crate) track: Arc<Track>,
+    /// Curvature that the track asks for.
+    pub(crate) bends: Bends,
     /// Discretised nominal model with the fitted grip.
     pub(crate) model: Discretized,
     pub(crate) tracker: Tracker,
@@ -70,6 +73,7 @@ impl Controller {
             work: Workspace::new(&config, &car, &track, &model),
             prepared: false,
             setup: Setup {
+                bends: Bends::new(&car, &track),
                 tracker: Tracker::new(&car),
                 actuators: Actuators::new(&car, dt, given),
                 regression: config.regression.clone(),

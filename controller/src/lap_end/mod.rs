@@ -273,7 +273,7 @@ impl Controller {
 
     /// The envelope of the laps that are learned from.
     fn make_envelope(&mut self) {
-        let Setup { car, config, track, .. } = &self.setup;
+        let Setup { car, config, track, bends, .. } = &self.setup;
         let work = &self.memory.lap_end;
         let laps = &self.memory.dataset.laps[..work.learned];
         // Of a state that was read in the midst of learning, those of later laps are not yet in force.
@@ -282,7 +282,7 @@ impl Controller {
         let misses = (&misses[..], laps.len());
         let chosen = self.memory.selected.iter().map(|&i| &*laps[i]);
         let grip = self.memory.grip;
-        let envelope = Envelope::new(&config.envelope, car, grip, track, chosen, misses);
+        let envelope = Envelope::new(&config.envelope, car, grip, (track, bends), chosen, misses);
         self.memory.derived.envelope = Arc::new(envelope);
         self.make_road_speed();
     }

@@ -20,7 +20,7 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, RoadPoint, State, Track};
 
-use self::bends::Bends;
+pub(crate) use self::bends::Bends;
 use super::braking::{backward, between, deceleration, grid};
 use super::dataset::{Lap, Sample};
 use crate::config::EnvelopeConfig;
@@ -90,7 +90,7 @@ impl Envelope {
         config: &EnvelopeConfig,
         car: &CarParams,
         grip: [f64; 2],
-        track: &Track,
+        (track, bends): (&Track, &Bends),
         laps: impl Iterator<Item = &'a Lap>,
         misses: (&[NearMiss], usize),
     ) -> Self {
@@ -102,7 +102,7 @@ impl Envelope {
         let room = Room {
             track,
             grip: Grip::new(car, grip),
-            bends: Bends::new(track, points, ds),
+            bends,
             share: config.grip_share,
             range: [1.0 + config.growth_least, 1.0 + config.growth_most],
         };
@@ -241,7 +241,7 @@ impl Grip {
 struct Room<'a> {
     track: &'a Track,
     grip: Grip,
-    bends: Bends,
+    bends: &'a Bends,
     /// Share of the grip that may be used.
     share: f64,
     /// Least and greatest factor on the driven speed.

@@ -11,22 +11,22 @@
 //! A car turns before a bend begins and after it ends: the bend fades over the length d in which the
 //! tightest one of the track crosses its least width W.
 
-use vehicle_model::Track;
+use vehicle_model::{CarParams, Track};
 
-use crate::learning::braking::{backward, between};
+use crate::learning::braking::{backward, between, grid};
 
-/// kappa_b on a grid along the track.
-pub(super) struct Bends {
+/// kappa_b on the grid of the envelope. It is the track's alone, so that no lap's end has to find it again.
+#[derive(Debug, Clone)]
+pub(crate) struct Bends {
     kappa: Vec<f64>,
     ds: f64,
 }
 
 impl Bends {
-    /// Of a track, on `points` grid points with the distance `ds` \[m\].
-    pub(super) fn new(track: &Track, points: usize, ds: f64) -> Self {
+    pub(crate) fn new(car: &CarParams, track: &Track) -> Self {
+        let (points, ds) = grid(car, track);
         let mut kappa: Vec<f64> = (0..points).map(|i| track.kappa(i as f64 * ds).abs()).collect();
-        let fading =
-            (2.0 * track.narrowest() / track.max_abs_kappa().max(f64::MIN_POSITIVE)).sqrt();
+        let fading = (2.0 * track.narrowest() / track.max_abs_kappa()).sqrt();
         let left = libm::exp(-ds / fading);
         for _ in 0..2 {
             backward(&mut kappa, |_, here, after| here.max(left * after));
@@ -57,8 +57,7 @@ mod tests {
     fn bends() -> Bends {
         let half = [Segment::straight(100.0), Segment::arc(20.0, PI)];
         let track = Track::from_segments("oval", &[half, half].concat(), 5.0, 5.0).unwrap();
-        let points = 2000;
-        Bends::new(&track, points, track.length() / points as f64)
+        Bends::new(&CarParams::builtin("barc").unwrap(), &track)
     }
 
     #[test]

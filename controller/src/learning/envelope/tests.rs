@@ -39,7 +39,9 @@ fn lap(a: f64) -> Lap {
 fn envelope(lap: &Lap, misses: &[NearMiss]) -> Envelope {
     let car = CarParams::builtin("iac").unwrap();
     let config = Config::default().envelope;
-    Envelope::new(&config, &car, [1.0; 2], &ring(), std::iter::once(lap), (misses, 1))
+    let track = ring();
+    let bends = Bends::new(&car, &track);
+    Envelope::new(&config, &car, [1.0; 2], (&track, &bends), std::iter::once(lap), (misses, 1))
 }
 
 /// Where a lap braked harder than the envelope's own brakes do, a slower end takes the same kinetic
