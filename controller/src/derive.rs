@@ -47,6 +47,9 @@ const FASTEST: f64 = 150.0;
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
 /// against.
 const GROWTH: f64 = 0.35;
+/// Yaw rate that the front axle's grip gives the car within one sampling period, over that of the sharpest
+/// bend at the same speed, at most: a plan whose inputs turn the car by more than that in one step weaves.
+const TURN: f64 = 4.5;
 /// Top speed on the racing line over that on the centre line, at most.
 const RACING_LINE: f64 = 1.25;
 /// Horizon at most.
@@ -92,8 +95,11 @@ impl Config {
             // A smaller car does as much in less time; a larger one is no slower to steer for that.
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
-            let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor().max(10.0);
-            config.horizon.period = period / 1e3;
+            let mut period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
+            while period > 10.0 && turn(car, lap.top, period / 1e3) > TURN {
+                period -= 1.0;
+            }
+            config.horizon.period = period.max(10.0) / 1e3;
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap);
             let warm_up = &mut config.warm_up;
@@ -272,6 +278,19 @@ fn instability(car: &CarParams, top: f64) -> f64 {
     (1..=50).map(|i| rate(top * f64::from(i) / 50.0)).fold(0.0, f64::max)
 }
 
+/// Yaw rate that the front axle's grip gives within one sampling period, over that of the sharpest bend
+/// at this speed, mu g / v:
+///
+/// ```text
+/// m l_f l_r v / (l I) (dt - tau (1 - exp(-dt / tau)))        tau: lag of the steering
+/// ```
+fn turn(car: &CarParams, v: f64, dt: f64) -> f64 {
+    let lag = car.actuator_lag;
+    let missing = if lag > 0.0 { lag * (1.0 - libm::exp(-dt / lag)) } else { 0.0 };
+    let arms = car.l_f * car.l_r / car.wheelbase();
+    car.mass * arms * v / car.inertia_z * (dt - missing)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -308,6 +327,26 @@ mod tests {
         let deviation = (squares / f64::from(steps)).sqrt();
         let room = 0.1 - 0.5 * car.width;
         assert!((deviation / (ASTRAY * room) - 1.0).abs() < 0.1, "{deviation} of {room} m");
+    }
+
+    /// The moment of a front axle at its grip, behind a steering that lags, integrated over a period.
+    #[test]
+    fn the_turn_of_a_period_is_that_of_the_front_axle() {
+        let (v, dt, steps) = (30.0, 0.09, 10_000);
+        for name in ["barc", "iac"] {
+            let car = CarParams::builtin(name).unwrap();
+            let force = 0.9 * GRAVITY * car.mass * car.l_r / car.wheelbase();
+            let (mut acting, mut yaw_rate) = (0.0, 0.0);
+            let h = dt / f64::from(steps);
+            for _ in 0..steps {
+                let rate = if car.actuator_lag > 0.0 { h / car.actuator_lag } else { 1.0 };
+                acting += rate * (1.0 - acting);
+                yaw_rate += h * acting * force * car.l_f / car.inertia_z;
+            }
+            let expected = yaw_rate / (0.9 * GRAVITY / v);
+            let found = turn(&car, v, dt);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found} not {expected}");
+        }
     }
 
     #[test]

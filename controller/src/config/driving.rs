@@ -52,7 +52,8 @@ section! {
     active "active": bool, symbol "", unit "", range (), from preset;
     /// Share of the known grip up to which speed may grow in one lap.
     grip_share "grip_share": f64, symbol "", unit "", range (1e-3, 2.0), from preset;
-    /// Growth from lap to lap that is always allowed, as a share of the driven speed.
+    /// Growth from lap to lap that is allowed even where the grip is used up, as a share of the driven speed;
+    /// less in fast bends of narrow tracks.
     growth_least "growth_least": f64, symbol "", unit "", range (0.0, 1.0),
         from car_and_track "less where actuators lag by more than half a period";
     /// Greatest growth from lap to lap, as a share of the driven speed; at least `growth_least`.

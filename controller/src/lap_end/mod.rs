@@ -289,12 +289,12 @@ impl Controller {
 
     /// What the road allows, if it has less grip than was fitted.
     pub(crate) fn make_road_speed(&mut self) {
-        let (memory, Setup { car, track, .. }) = (&self.memory, &self.setup);
+        let (memory, Setup { car, track, bends, .. }) = (&self.memory, &self.setup);
         let best = memory.selected.first().filter(|_| memory.road.share < DRY);
         let bound = best.map(|&best| {
             let driven = |sample| memory.road.history.at(best, sample);
             let grip = (memory.grip, memory.road.share);
-            RoadSpeed::new(car, track, grip, &memory.dataset.laps[best], driven)
+            RoadSpeed::new(car, (track, bends), grip, &memory.dataset.laps[best], driven)
         });
         self.memory.derived.road_speed = Arc::new(bound.unwrap_or_default());
     }

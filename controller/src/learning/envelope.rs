@@ -18,7 +18,7 @@
 //! The horizon of the optimal control problem thus needs not reach as far as the braking distance.
 
 use serde::{Deserialize, Serialize};
-use vehicle_model::{CarParams, RoadPoint, State, Track};
+use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
 pub(crate) use self::bends::Bends;
 use super::braking::{backward, between, deceleration, grid};
@@ -35,6 +35,10 @@ const SLOWER: f64 = 0.05;
 const TRUST: f64 = 0.01;
 /// Laps after which a near miss is forgotten.
 pub(crate) const REMEMBERED: usize = 8;
+
+/// Least growth times the length of way, in widths of the track, that crosses it with all grip, at most: a
+/// bend that is taken too fast leads astray by growth times its angle times its length.
+const ASTRAY: f64 = 0.1;
 
 /// Greatest speed along the track.
 #[derive(Debug, Clone, Default)]
@@ -104,7 +108,7 @@ impl Envelope {
             grip: Grip::new(car, grip),
             bends,
             share: config.grip_share,
-            range: [1.0 + config.growth_least, 1.0 + config.growth_most],
+            range: [config.growth_least, config.growth_most],
         };
         for lap in laps {
             envelope.add(&room, lap);
@@ -244,7 +248,7 @@ struct Room<'a> {
     bends: &'a Bends,
     /// Share of the grip that may be used.
     share: f64,
-    /// Least and greatest factor on the driven speed.
+    /// Least and greatest growth, as shares of the driven speed.
     range: [f64; 2],
 }
 
@@ -256,9 +260,17 @@ impl Room<'_> {
         let driven = x.omega_z / (x.v_x.max(1e-3) * libm::cos(bank));
         let kappa = self.bends.needed(x.s, x.e_y, driven).copysign(driven);
         let most = road.corner_speed(kappa, self.share * self.grip.mu, self.grip.down);
-        let [least, greatest] = self.range;
         let v = x.v_x.max(0.0);
-        most.clamp(least * v, greatest * v)
+        let [_, greatest] = self.range;
+        most.clamp((1.0 + self.least(x.s, v)) * v, (1.0 + greatest) * v)
+    }
+
+    /// Least growth at s and speed v: the less, the longer the way `v sqrt(2 W / (mu g))` that crosses
+    /// the width W of the track, at most as configured.
+    fn least(&self, s: f64, v: f64) -> f64 {
+        let width = self.track.width_left(s) + self.track.width_right(s);
+        let crossing = v * (2.0 / (self.grip.mu * GRAVITY * width)).sqrt();
+        self.range[0].min(ASTRAY / crossing)
     }
 }
 

@@ -5,13 +5,15 @@
 //! v(s)^2 = min(share u_max A / kappa(s), v(s + ds)^2 + 2 ds brake)      backward, twice round
 //! ```
 //!
-//! with the curvature kappa of the line that the best lap drove, the lateral acceleration A that the
+//! with the curvature kappa that the place needs on the line of the best lap (`envelope/bends.rs`; that of its yaw rate
+//! alone counts a turn-in or a slide as a bend), the lateral acceleration A that the
 //! fitted grip allows, and the greatest part u_max of it that the lap used.
 
-use vehicle_model::{CarParams, GRAVITY, Track};
+use vehicle_model::{CarParams, GRAVITY, State, Track};
 
 use super::braking::{backward, between, deceleration, grid};
 use super::dataset::Lap;
+use super::envelope::Bends;
 
 /// Part of the grip that a driven lap uses at least, and at most.
 const USE: (f64, f64) = (0.6, 0.95);
@@ -32,7 +34,7 @@ impl RoadSpeed {
     /// samples were driven.
     pub(crate) fn new(
         car: &CarParams,
-        track: &Track,
+        (track, bends): (&Track, &Bends),
         (grip, share): ([f64; 2], f64),
         lap: &Lap,
         driven: impl Fn(usize) -> f64,
@@ -48,9 +50,10 @@ impl RoadSpeed {
             if to.s <= from.s || from.v_x <= 0.0 || to.v_x <= 0.0 {
                 continue;
             }
-            used = used.max((from.omega_z * from.v_x).abs() / available(from.v_x) / driven(i));
+            let needed = |x: &State| bends.needed(x.s, x.e_y, x.omega_z / x.v_x).max(1e-6);
+            used = used.max(needed(from) * from.v_x * from.v_x / available(from.v_x) / driven(i));
             // Squared speed at which the line takes all of the grip.
-            let kappa = [from, to].map(|x| (x.omega_z / x.v_x).abs().max(1e-6) / available(x.v_x));
+            let kappa = [from, to].map(|x| needed(x) / available(x.v_x));
             for k in (from.s / ds).ceil() as usize.. {
                 let share = (k as f64 * ds - from.s) / (to.s - from.s);
                 if share > 1.0 {

@@ -18,8 +18,8 @@ use crate::learning::braking::{backward, between, grid};
 /// kappa_b on the grid of the envelope. It is the track's alone, so that no lap's end has to find it again.
 #[derive(Debug, Clone)]
 pub(crate) struct Bends {
-    kappa: Vec<f64>,
-    ds: f64,
+    pub(super) kappa: Vec<f64>,
+    pub(super) ds: f64,
 }
 
 impl Bends {
@@ -36,7 +36,7 @@ impl Bends {
     }
 
     /// What is needed at s and e_y where a lap turned by `driven` \[1/m\].
-    pub(super) fn needed(&self, s: f64, e_y: f64, driven: f64) -> f64 {
+    pub(crate) fn needed(&self, s: f64, e_y: f64, driven: f64) -> f64 {
         let kappa = between(&self.kappa, self.ds, s);
         let parallel = kappa / (1.0 - kappa * e_y.abs()).max(f64::EPSILON);
         driven.abs().min(parallel)

@@ -44,6 +44,36 @@ fn envelope(lap: &Lap, misses: &[NearMiss]) -> Envelope {
     Envelope::new(&config, &car, [1.0; 2], (&track, &bends), std::iter::once(lap), (misses, 1))
 }
 
+/// Where all grip is used, the way that a point mass needs to cross the track times the growth is a tenth of
+/// the track's width, but no growth exceeds the configured one.
+#[test]
+fn a_fast_bend_of_a_narrow_track_grows_less() {
+    let car = CarParams::builtin("barc").unwrap();
+    let grip = car.tyre_front.mu.min(car.tyre_rear.mu) * GRAVITY;
+    for (speed, limited) in [(140.0, true), (5.0, false)] {
+        let mut lap = lap(0.0);
+        for sample in &mut lap.samples {
+            sample.x.v_x = speed;
+            // More than the tyres hold.
+            sample.x.omega_z = 2.0 * grip / speed;
+        }
+        let config = Config::default().envelope;
+        let bends = Bends { kappa: vec![1.0; 10], ds: 200.0 };
+        let found = Envelope::new(
+            &config,
+            &car,
+            [1.0; 2],
+            (&ring(), &bends),
+            std::iter::once(&lap),
+            (&[], 1),
+        );
+        let growth = found.at(500.0) / speed - 1.0;
+        let crossing = speed * (2.0 * 12.0 / grip).sqrt();
+        let expected = if limited { 0.1 * 12.0 / crossing } else { config.growth_least };
+        assert!((growth - expected).abs() < 1e-3 * expected, "{growth} not {expected}");
+    }
+}
+
 /// Where a lap braked harder than the envelope's own brakes do, a slower end takes the same kinetic
 /// energy off every speed before it: the braking stays that of the lap.
 #[test]
