@@ -96,12 +96,14 @@ impl Config {
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
             let mut period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
+            // The tyres answer no sooner for a shorter period than they need.
+            let reaction = period.max(10.0) / 1e3;
             while period > 10.0 && turn(car, lap.top, period / 1e3) > TURN {
                 period -= 1.0;
             }
             config.horizon.period = period.max(10.0) / 1e3;
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
-            config.scale(car, &lap);
+            config.scale(car, &lap, reaction);
             let warm_up = &mut config.warm_up;
             warm_up.speed = round(WARM_UP_SHARE * lap.mean);
             let most = most_excitation(car, track, warm_up.speed, config.horizon.period);
@@ -110,7 +112,7 @@ impl Config {
         config
     }
 
-    fn scale(&mut self, car: &CarParams, lap: &PointMass) {
+    fn scale(&mut self, car: &CarParams, lap: &PointMass, reaction: f64) {
         let (own, reference) = (Scales::new(car), Scales::reference());
         let length = own.length / reference.length;
         let speed = own.speed / reference.speed;
@@ -157,7 +159,7 @@ impl Config {
         cost.speed *= each / speed;
 
         let limits = &mut self.limits;
-        limits.lane_margin = 0.5 * car.width + reserve(car, lap, self.horizon.period);
+        limits.lane_margin = 0.5 * car.width + reserve(car, lap, reaction);
         [limits.front_slip, limits.rear_slip] = slip_guards(car);
 
         self.warm_up.noise_a *= acceleration;
@@ -178,11 +180,11 @@ fn most_excitation(car: &CarParams, track: &Track, speed: f64, dt: f64) -> f64 {
 }
 
 /// What is kept free beside the body \[m\]: a share of its width, and what an error of heading leads
-/// astray at top speed until most of a correction acts, one sampling period and twice the lag.
-fn reserve(car: &CarParams, lap: &PointMass, dt: f64) -> f64 {
+/// astray at top speed until most of a correction acts, the reaction time \[s\] and twice the lag.
+fn reserve(car: &CarParams, lap: &PointMass, reaction: f64) -> f64 {
     let peak = peak_slip(&car.tyre_front).max(peak_slip(&car.tyre_rear));
     let error = (RESERVE_SLIP * peak).max(RESERVE_HEADING);
-    RESERVE_WIDTH * car.width + error * lap.top * (dt + 2.0 * car.actuator_lag)
+    RESERVE_WIDTH * car.width + error * lap.top * (reaction + 2.0 * car.actuator_lag)
 }
 
 /// Slip guards, front and rear [rad].

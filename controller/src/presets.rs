@@ -126,7 +126,7 @@ impl Config {
                 steering_rate_floor: 0.05,
                 gentle_start: 1.0,
                 dissipation: 2.0,
-                lane_linear: 300.0,
+                lane_linear: 100.0,
                 slip: 20.0,
                 ..paper.cost
             },

@@ -50,8 +50,8 @@ impl RoadSpeed {
             if to.s <= from.s || from.v_x <= 0.0 || to.v_x <= 0.0 {
                 continue;
             }
+            used = used.max((from.omega_z * from.v_x).abs() / available(from.v_x) / driven(i));
             let needed = |x: &State| bends.needed(x.s, x.e_y, x.omega_z / x.v_x).max(1e-6);
-            used = used.max(needed(from) * from.v_x * from.v_x / available(from.v_x) / driven(i));
             // Squared speed at which the line takes all of the grip.
             let kappa = [from, to].map(|x| needed(x) / available(x.v_x));
             for k in (from.s / ds).ceil() as usize.. {
