@@ -96,7 +96,7 @@ impl Config {
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
             let mut period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
-            // The tyres answer no sooner for a shorter period than they need.
+            // A shorter period does not make the tyres answer sooner.
             let reaction = period.max(10.0) / 1e3;
             while period > 10.0 && turn(car, lap.top, period / 1e3) > TURN {
                 period -= 1.0;

@@ -38,7 +38,7 @@ pub(crate) const REMEMBERED: usize = 8;
 
 /// Least growth times the length of way, in widths of the track, that crosses it with all grip, at most: a
 /// bend that is taken too fast leads astray by growth times its angle times its length.
-const ASTRAY: f64 = 0.1;
+const PER_CROSSING: f64 = 0.1;
 
 /// Greatest speed along the track.
 #[derive(Debug, Clone, Default)]
@@ -270,7 +270,7 @@ impl Room<'_> {
     fn least(&self, s: f64, v: f64) -> f64 {
         let width = self.track.width_left(s) + self.track.width_right(s);
         let crossing = v * (2.0 / (self.grip.mu * GRAVITY * width)).sqrt();
-        self.range[0].min(ASTRAY / crossing)
+        self.range[0].min(PER_CROSSING / crossing)
     }
 }
 

@@ -5,9 +5,9 @@
 //! v(s)^2 = min(share u_max A / kappa(s), v(s + ds)^2 + 2 ds brake)      backward, twice round
 //! ```
 //!
-//! with the curvature kappa that the place needs on the line of the best lap (`envelope/bends.rs`; that of its yaw rate
-//! alone counts a turn-in or a slide as a bend), the lateral acceleration A that the
-//! fitted grip allows, and the greatest part u_max of it that the lap used.
+//! with the curvature kappa that the place needs on the line of the best lap (`envelope/bends.rs`; its yaw
+//! rate alone would count a turn-in or a slide as a bend), the lateral acceleration A that the fitted grip
+//! allows, and the greatest part u_max of it that the lap used.
 
 use vehicle_model::{CarParams, GRAVITY, State, Track};
 
