@@ -47,11 +47,12 @@ const FASTEST: f64 = 150.0;
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
 /// against.
 const GROWTH: f64 = 0.35;
-/// Yaw rate that the front axle's grip gives the car within one sampling period, over that of the sharpest
-/// bend at the same speed, at most: a plan whose inputs turn the car by more than that in one step weaves.
+/// Greatest [`turn`] at top speed: a plan whose inputs turn the car by more in one step weaves.
 const TURN: f64 = 4.5;
 /// Top speed on the racing line over that on the centre line, at most.
 const RACING_LINE: f64 = 1.25;
+/// Sampling period at least \[ms\].
+const SHORTEST: f64 = 10.0;
 /// Horizon at most.
 const MOST: usize = 100;
 
@@ -95,13 +96,14 @@ impl Config {
             // A smaller car does as much in less time; a larger one is no slower to steer for that.
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
-            let mut period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
+            let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
+            let mut period = period.max(SHORTEST);
             // A shorter period does not make the tyres answer sooner.
-            let reaction = period.max(10.0) / 1e3;
-            while period > 10.0 && turn(car, lap.top, period / 1e3) > TURN {
+            let reaction = period / 1e3;
+            while period > SHORTEST && turn(car, lap.top, period / 1e3) > TURN {
                 period -= 1.0;
             }
-            config.horizon.period = period.max(10.0) / 1e3;
+            config.horizon.period = period / 1e3;
             config.horizon.substeps = (config.horizon.period / substep).round().max(1.0) as usize;
             config.scale(car, &lap, reaction);
             let warm_up = &mut config.warm_up;

@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! kappa_needed v_c^2 = share mu (g + downforce(v_c) / m)
-//! v_0(s) = max_laps clamp(v_c, (1 + least) v(s), (1 + most) v(s))
+//! v_0(s) = max_laps clamp(v_c, (1 + min(least, 0.1 W / L)) v(s), (1 + most) v(s))
+//! L = v(s) sqrt(2 W / (mu g))         length of way on which all grip crosses the width W of the track
 //! v(s)^2 = min(v_0(s)^2, v(s + ds)^2 + 2 ds (brake |a_min| + drag(v) / m))     backward, twice round
 //! ```
 //!
@@ -20,12 +21,10 @@
 use serde::{Deserialize, Serialize};
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
-pub(crate) use self::bends::Bends;
+use super::bends::Bends;
 use super::braking::{backward, between, deceleration, grid};
 use super::dataset::{Lap, Sample};
 use crate::config::EnvelopeConfig;
-
-mod bends;
 
 /// Share of the reserve beside the body whose use is no near miss.
 const TOLERATED: f64 = 0.5;
@@ -36,8 +35,8 @@ const TRUST: f64 = 0.01;
 /// Laps after which a near miss is forgotten.
 pub(crate) const REMEMBERED: usize = 8;
 
-/// Least growth times the length of way, in widths of the track, that crosses it with all grip, at most: a
-/// bend that is taken too fast leads astray by growth times its angle times its length.
+/// Least growth times L / W, at most: a bend that is taken too fast leads astray by growth times its angle
+/// times its length.
 const PER_CROSSING: f64 = 0.1;
 
 /// Greatest speed along the track.
@@ -108,7 +107,8 @@ impl Envelope {
             grip: Grip::new(car, grip),
             bends,
             share: config.grip_share,
-            range: [config.growth_least, config.growth_most],
+            least: config.growth_least,
+            most: config.growth_most,
         };
         for lap in laps {
             envelope.add(&room, lap);
@@ -226,15 +226,15 @@ impl Braking<'_> {
 }
 
 /// What the tyres hold across the road.
-struct Grip {
+pub(super) struct Grip {
     /// Friction coefficient.
-    mu: f64,
+    pub(super) mu: f64,
     /// Downforce per mass and squared speed \[1/m\].
-    down: f64,
+    pub(super) down: f64,
 }
 
 impl Grip {
-    fn new(car: &CarParams, grip: [f64; 2]) -> Self {
+    pub(super) fn new(car: &CarParams, grip: [f64; 2]) -> Self {
         let mu = (car.tyre_front.mu * grip[0]).min(car.tyre_rear.mu * grip[1]);
         let down = 0.5 * car.rho * car.area * (car.cl_front + car.cl_rear) / car.mass;
         Self { mu, down }
@@ -248,8 +248,10 @@ struct Room<'a> {
     bends: &'a Bends,
     /// Share of the grip that may be used.
     share: f64,
-    /// Least and greatest growth, as shares of the driven speed.
-    range: [f64; 2],
+    /// Least growth as configured, as a share of the driven speed.
+    least: f64,
+    /// Greatest growth, as a share of the driven speed.
+    most: f64,
 }
 
 impl Room<'_> {
@@ -259,18 +261,16 @@ impl Room<'_> {
         let bank = road.surface.map_or(0.0, |surface| surface.bank);
         let driven = x.omega_z / (x.v_x.max(1e-3) * libm::cos(bank));
         let kappa = self.bends.needed(x.s, x.e_y, driven).copysign(driven);
-        let most = road.corner_speed(kappa, self.share * self.grip.mu, self.grip.down);
+        let corner = road.corner_speed(kappa, self.share * self.grip.mu, self.grip.down);
         let v = x.v_x.max(0.0);
-        let [_, greatest] = self.range;
-        most.clamp((1.0 + self.least(x.s, v)) * v, (1.0 + greatest) * v)
+        corner.clamp((1.0 + self.least_growth(x.s, v)) * v, (1.0 + self.most) * v)
     }
 
-    /// Least growth at s and speed v: the less, the longer the way `v sqrt(2 W / (mu g))` that crosses
-    /// the width W of the track, at most as configured.
-    fn least(&self, s: f64, v: f64) -> f64 {
+    /// Least growth at s and speed v, `min(least, 0.1 W / L)`.
+    fn least_growth(&self, s: f64, v: f64) -> f64 {
         let width = self.track.width_left(s) + self.track.width_right(s);
         let crossing = v * (2.0 / (self.grip.mu * GRAVITY * width)).sqrt();
-        self.range[0].min(PER_CROSSING / crossing)
+        self.least.min(PER_CROSSING / crossing)
     }
 }
 

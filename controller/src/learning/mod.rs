@@ -1,5 +1,6 @@
 //! What is learned from the car's own laps: data, safe set, error model, grip.
 
+pub(crate) mod bends;
 pub(crate) mod braking;
 pub mod dataset;
 pub(crate) mod envelope;

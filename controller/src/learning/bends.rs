@@ -13,9 +13,9 @@
 
 use vehicle_model::{CarParams, Track};
 
-use crate::learning::braking::{backward, between, grid};
+use super::braking::{backward, between, grid};
 
-/// kappa_b on the grid of the envelope. It is the track's alone, so that no lap's end has to find it again.
+/// kappa_b on the grid of the envelope. No lap changes it.
 #[derive(Debug, Clone)]
 pub(crate) struct Bends {
     pub(super) kappa: Vec<f64>,
