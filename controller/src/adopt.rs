@@ -100,8 +100,8 @@ impl Setup {
                 }
             }
         }
-        let Scales { length, speed, .. } = Scales::new(&self.car);
-        ridge_of(sum.map(|sum| sum / f64::max(count, 1.0)), length, speed)
+        let variances = sum.map(|sum| sum / f64::max(count, 1.0));
+        ridge_of(variances, &Scales::new(&self.car), self.config.horizon.period)
     }
 }
 
@@ -175,8 +175,8 @@ mod tests {
         let x = State { v_x: 1.0, ..State::default() };
         let a = model.linearize(&x, &Input::default(), track.road()).a[(0, 0)];
         let factor = 1.0 + (2.0 + a).powi(2) + (1.0 + 2.0 * a).powi(2) + a * a;
-        let Scales { length, speed, .. } = Scales::new(car);
-        let expected = ridge_of([sigma * sigma * factor / 6.0, 0.0, 0.0], length, speed);
+        let variances = [sigma * sigma * factor / 6.0, 0.0, 0.0];
+        let expected = ridge_of(variances, &Scales::new(car), model.dt);
         let ridge = controller.memory.ridge;
         assert!((ridge / expected - 1.0).abs() < 0.1, "{ridge}, expected {expected}");
         assert_eq!(controller.setup.regression.ridge, ridge);

@@ -30,6 +30,8 @@ pub struct Controller {
     pub(crate) memory: Memory,
     pub(crate) work: Workspace,
     pub(crate) prepared: bool,
+    /// Memory of a plan that is made anew.
+    pub(crate) spare: Plan,
 }
 
 /// What the controller is given and, but for the fitted grip, keeps.
@@ -72,6 +74,7 @@ impl Controller {
             memory: Memory::new(&config),
             work: Workspace::new(&config, &car, &track, &model),
             prepared: false,
+            spare: Plan::default(),
             setup: Setup {
                 bends: Bends::new(&car, &track),
                 tracker: Tracker::new(&car),

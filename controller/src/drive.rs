@@ -125,6 +125,9 @@ impl Controller {
             self.work.prepare(&self.setup, &self.memory, &mut ());
             report = self.work.solve(&x_0, &mut self.memory);
         }
+        if !report.status.usable() || self.work.diverged() {
+            report = self.replan(&x_0).unwrap_or(report);
+        }
         probe.end(Phase::Solve);
         status.solve = report.status;
         status.solver = Some(report.backend);

@@ -68,6 +68,7 @@ mod plan;
 mod prediction_error;
 mod presets;
 mod recovery;
+mod replan;
 mod road;
 mod slip;
 mod snapshot;

@@ -340,7 +340,7 @@ impl Workspace {
     }
 
     /// Stages up to this one follow each solution whole: what is near follows the measurement.
-    fn far(&self) -> usize {
+    pub(crate) fn far(&self) -> usize {
         self.problem.horizon() / 4
     }
 

@@ -27,17 +27,15 @@ pub(crate) use smooth::{Smoothing, Step};
 
 /// Variance of a velocity nobody measured, in squared speeds sqrt(mu g l) of the car.
 const UNKNOWN: f64 = 4.0;
-/// Target noise at which the ridge weight is 1, as a share of the speed sqrt(mu g l).
-const RIDGE_NOISE: f64 = 0.015;
+/// Noise of the targets at which the ridge weight is 1, as a share of the speed mu g dt that grip gives in a
+/// period: what the model gets wrong in a period is a part of that.
+const RIDGE_NOISE: f64 = 0.026;
 
 /// What the filter knows of the car and its sensors.
 #[derive(Debug, Clone)]
 pub(crate) struct Filter {
     config: FilterConfig,
-    /// Wheelbase l \[m\].
-    length: f64,
-    /// Speed V = sqrt(mu g l) \[m/s\].
-    speed: f64,
+    scales: Scales,
     /// Sampling period \[s\].
     dt: f64,
 }
@@ -70,8 +68,7 @@ pub(crate) struct Estimate {
 
 impl Filter {
     pub(crate) fn new(config: &FilterConfig, car: &CarParams, dt: f64) -> Self {
-        let Scales { length, speed, .. } = Scales::new(car);
-        Self { config: config.clone(), length, speed, dt }
+        Self { config: config.clone(), scales: Scales::new(car), dt }
     }
 
     /// Whether velocities are not measured.
@@ -109,9 +106,14 @@ impl Filter {
         [noise[0], noise[1], noise[2]]
     }
 
-    /// Ridge weight that the noise of the measured velocities asks for.
+    /// Ridge weight that the noise of the measured velocities asks for. Measurements that pass as they are
+    /// may be noisy all the same.
     pub(crate) fn ridge(&self, estimate: &Estimate) -> f64 {
-        ridge_of(self.velocity_noise(estimate), self.length, self.speed)
+        let noise = match self.variances(estimate) {
+            Some(_) => self.velocity_noise(estimate),
+            None => estimate.noise.rough(),
+        };
+        ridge_of(noise, &self.scales, self.dt)
     }
 
     /// The estimate of a measurement connected with nothing before.
@@ -122,10 +124,11 @@ impl Filter {
         let Some(Variances { noise, .. }) = self.variances(estimate) else { return *measured };
         let mut p = Matrix6::from_diagonal(&noise);
         let mut x = measured.to_vector();
-        let still = UNKNOWN * self.speed * self.speed;
+        let still = UNKNOWN * self.scales.speed * self.scales.speed;
         for row in 0..self.first() {
             x[row] = 0.0;
-            p[(row, row)] = if row == 2 { still / (self.length * self.length) } else { still };
+            p[(row, row)] =
+                if row == 2 { still / (self.scales.length * self.scales.length) } else { still };
         }
         estimate.p = Some(p.into());
         State::from_vector(&x)
@@ -146,7 +149,7 @@ impl Filter {
             offset[row] = 0.0;
         }
         let residual = difference(measured, &prediction.next, track) - prediction.a * offset;
-        estimate.noise.add(&residual, &prediction.a, self.length);
+        estimate.noise.add(&residual, &prediction.a, self.scales.length);
         estimate.raw = *measured;
         let Some(Variances { noise, process }) = self.variances(estimate) else {
             (estimate.p, estimate.expected) = (None, [0.0; 2]);
@@ -189,10 +192,11 @@ impl Filter {
     }
 }
 
-/// Ridge weight for targets with these variances, of a car with wheelbase l and speed sqrt(mu g l).
-pub(crate) fn ridge_of([v_x, v_y, omega_z]: [f64; 3], length: f64, speed: f64) -> f64 {
+/// Ridge weight for targets with these variances, in a car of these scales with this sampling period.
+pub(crate) fn ridge_of([v_x, v_y, omega_z]: [f64; 3], scales: &Scales, dt: f64) -> f64 {
+    let Scales { length, speed, time } = scales;
     let most = v_x.max(v_y).max(omega_z * length * length);
-    most / (RIDGE_NOISE * speed).powi(2)
+    most / (RIDGE_NOISE * speed * dt / time).powi(2)
 }
 
 impl Estimate {
@@ -235,8 +239,8 @@ mod tests {
         let mut a = Matrix6::identity();
         (a[(1, 1)], a[(1, 2)], a[(2, 2)]) = (0.3, -4.0, 0.5);
         let (mut estimate, mut x) = (Estimate::default(), State::default());
-        let v = config.model_error * filter.speed.powi(2) / filter.length * filter.dt;
-        let (process, mut truth) = ([v, v, v / filter.length], Vector6::zeros());
+        let v = config.model_error * filter.scales.speed.powi(2) / filter.scales.length * filter.dt;
+        let (process, mut truth) = ([v, v, v / filter.scales.length], Vector6::zeros());
         let mut random = rand_pcg::Pcg64::seed_from_u64(1);
         let (mut squares, mut expected, mut count) = ([0.0; 2], [0.0; 2], 0.0);
         for n in 0..20_000 {

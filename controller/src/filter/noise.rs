@@ -17,6 +17,7 @@ use nalgebra::{Matrix6, Vector6};
 use serde::{Deserialize, Serialize};
 
 use super::Filter;
+use crate::derive::Scales;
 
 /// Residuals remembered for the noise of the sensors.
 const LONG: f64 = 4000.0;
@@ -61,6 +62,8 @@ pub(crate) struct Noise {
     a: [f64; 6],
     /// Squares of the entries of A in the rows of s and e_y.
     spread: [[f64; 6]; 2],
+    /// Recent squares of the second differences of the velocities' residuals.
+    second: [f64; 3],
     last: Option<[f64; 6]>,
     before: Option<[f64; 6]>,
     /// Whether the position is noisy enough to be filtered.
@@ -105,6 +108,10 @@ impl Noise {
             self.c_2[i] += share * (d[i] * before[i] - self.c_2[i]);
             self.a[i] += share * (a[(i, i)] - self.a[i]);
         }
+        for (i, square) in self.second.iter_mut().enumerate() {
+            let second = d[i] - 2.0 * last[i] + before[i];
+            *square += brief * (second * second - *square);
+        }
         for (row, spread) in POSITION.into_iter().zip(&mut self.spread) {
             for (i, square) in spread.iter_mut().enumerate() {
                 *square += share * (a[(row, i)] * a[(row, i)] - *square);
@@ -122,6 +129,13 @@ impl Noise {
         self.noisy = self.count >= LEAST && POSITION.iter().all(|i| noise[*i].sqrt() > least);
     }
 
+    /// Variances of the velocities' residuals by all that changes from period to period, sensor noise first:
+    /// errors of the model change slowly along a lap, so that second differences, which have a
+    /// white noise six times, leave them out.
+    pub(super) fn rough(&self) -> [f64; 3] {
+        self.second.map(|square| square / 6.0)
+    }
+
     /// Noise and model error of a row.
     fn row(&self, i: usize) -> (f64, f64) {
         let (c_0, c_1, c_2, a) = (self.c_0[i], self.c_1[i], self.c_2[i], self.a[i]);
@@ -136,7 +150,7 @@ impl Noise {
 
     /// R and Q; none while measurements are exact, or not known to be noisy.
     pub(super) fn variances(&self, filter: &Filter) -> Option<Variances> {
-        let (length, speed, dt) = (filter.length, filter.speed, filter.dt);
+        let (Scales { length, speed, .. }, dt) = (filter.scales, filter.dt);
         let known = self.count >= LEAST;
         let given = filter.config.noise;
         if !self.noisy && filter.config.velocities && given == [0.0; 6] {

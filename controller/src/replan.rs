@@ -1,0 +1,74 @@
+//! A plan along a driven lap, where the last plan diverged.
+//!
+//! Each problem is linearised along the plan before it. Where hard braking makes a car unstable, a small change
+//! near the car is a large one at the far end of the plan. The tyres there are then linearised beyond their
+//! peak, where the slope of the force has the wrong sign, and the plans that follow diverge further. A lap
+//! of the safe set was driven, so that the model holds along it.
+
+use vehicle_model::State;
+
+use crate::controller::Controller;
+use crate::fhocp::SolveReport;
+use crate::optimize::Workspace;
+
+/// Least share of the speed that a lap had at the car's place for which it can be the plan.
+const AS_FAST: f64 = 0.8;
+
+impl Workspace {
+    /// Whether the tyres slip by more than twice their guards in the far part of the last solution.
+    pub(crate) fn diverged(&self) -> bool {
+        let (problem, slacks) = (self.problem(), &self.slacks);
+        let beyond =
+            |slack: &[f64], guard: f64| slack.iter().skip(self.far()).any(|slip| *slip > guard);
+        beyond(&slacks.front, problem.front_max) || beyond(&slacks.rear, problem.rear_max)
+    }
+}
+
+impl Controller {
+    /// Solves the problem linearised along a driven lap. None, and the plan as it was, where no lap fits or
+    /// there is no solution.
+    pub(crate) fn replan(&mut self, x_0: &State) -> Option<SolveReport> {
+        let before = (self.memory.query_s, self.memory.plan_tail);
+        std::mem::swap(&mut self.memory.plan, &mut self.spare);
+        if self.driven_plan(x_0) {
+            self.work.prepare(&self.setup, &self.memory, &mut ());
+            let report = self.work.solve(x_0, &mut self.memory);
+            if report.status.usable() {
+                return Some(report);
+            }
+        }
+        std::mem::swap(&mut self.memory.plan, &mut self.spare);
+        (self.memory.query_s, self.memory.plan_tail) = before;
+        None
+    }
+
+    /// Makes the best lap of the safe set, from here on, the plan; false where the car is much slower than it
+    /// was then, or the lap was interrupted within the horizon.
+    fn driven_plan(&mut self, x_0: &State) -> bool {
+        let memory = &mut self.memory;
+        let Some(&lap) = memory.selected.first() else { return false };
+        let (samples, _) = memory.dataset.driven(lap);
+        // At most the number of samples, which fits isize.
+        let here = samples.partition_point(|sample| sample.x.s < x_0.s) as isize;
+        let seen = |t: usize| {
+            memory.dataset.seen_from(
+                lap,
+                here.saturating_add_unsigned(t),
+                self.setup.track.length(),
+            )
+        };
+        memory.plan.clear();
+        memory.plan.x.push(*x_0);
+        for t in 0..self.setup.config.horizon.steps {
+            let (Some(now), Some(next)) = (seen(t), seen(t + 1)) else { return false };
+            if t == 0 && x_0.v_x < AS_FAST * now.sample.x.v_x {
+                return false;
+            }
+            memory.plan.u.push(now.sample.u);
+            memory.plan.x.push(State { s: next.sample.x.s + next.offset, ..next.sample.x });
+            memory.plan_tail = now.sample.u;
+        }
+        memory.query_s = memory.plan.x.last().map_or(x_0.s, |end| end.s);
+        true
+    }
+}
