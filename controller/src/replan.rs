@@ -72,3 +72,65 @@ impl Controller {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::sync::Arc;
+
+    use vehicle_model::{CarParams, Plant, PlantParams, Track};
+
+    use super::*;
+    use crate::config::Config;
+    use crate::presets::Preset;
+    use crate::status::{Measurement, Pose};
+
+    fn measured(time: f64, plant: &mut Plant) -> Measurement {
+        Measurement { time, pose: Pose::Frenet(plant.measure()), applied: None }
+    }
+
+    /// A plan whose far end was led astray is as good one step later as one that was not.
+    #[test]
+    fn a_plan_that_diverged_is_made_anew() {
+        let track = Arc::new(Track::builtin("l").unwrap());
+        let car = CarParams::builtin("barc").unwrap();
+        let config = Config::derived(Preset::Race, &car, &track);
+        let dt = config.horizon.period;
+        let new = || Controller::new(config.clone(), car.clone(), track.clone()).unwrap();
+        let (mut controller, mut time) = (new(), 0.0);
+        let start = State { v_x: 1.0, ..State::default() };
+        let mut plant = Plant::new(PlantParams::new(car.clone()), track.clone(), start).unwrap();
+        // Braking before a bend of the sixth learned lap.
+        while controller.memory.learned_laps < 5 || controller.memory.command.a > -0.5 {
+            let command = controller.step(&measured(time, &mut plant));
+            plant.apply(command.input, dt);
+            time += dt;
+        }
+        let sound = controller.state();
+        let far = controller.work.far();
+        for (t, x) in controller.memory.plan.x.iter_mut().enumerate().skip(far) {
+            x.v_y += if t % 2 == 0 { 2.0 } else { -2.0 };
+        }
+        let astray = controller.state();
+        let now = measured(time, &mut plant);
+        let Pose::Frenet(x_0) = now.pose else { panic!("{:?}", now.pose) };
+
+        controller.prepare();
+        let mut memory = controller.memory.clone();
+        let report = controller.work.solve(&x_0, &mut memory);
+        assert!(!report.status.usable() || controller.work.diverged());
+
+        let [expected, found] = [sound, astray].map(|state| {
+            let mut controller = new();
+            controller.resume(&state);
+            let command = controller.step(&now);
+            assert!(!controller.work.diverged());
+            (command.input, controller.memory.plan)
+        });
+        let off = found.0.to_vector() - expected.0.to_vector();
+        assert!(off[0].abs() < 1.0 && off[1].abs() < 0.05, "input {off}");
+        let ends = [expected, found].map(|(_, plan)| plan.x.last().copied().unwrap());
+        assert!((ends[0].s - ends[1].s).abs() < 0.5, "{ends:?}");
+    }
+}

@@ -32,7 +32,7 @@ const CLIP: f64 = 4.0;
 /// Noise of the position that counts as noise, in wheelbases; half of it ends the filtering.
 const NOISY: f64 = 2e-3;
 /// The same where the residuals are noise for the most part, and no error of the model.
-const CLEARLY_NOISY: f64 = 5e-4;
+const CLEARLY_NOISY: f64 = 3e-4;
 /// Share that noise then has in the variance of the residuals, R + A R A'.
 const CLEAR: f64 = 0.6;
 /// Least feedback of such a row on itself.
@@ -189,5 +189,39 @@ impl Noise {
         let [v_x, v_y, omega_z] = velocity;
         let process = Vector6::new(v_x, v_y, omega_z, half * omega_z, half * v_x, half * v_y);
         Some(Variances { noise, process })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+    use vehicle_model::normal::standard_normal;
+
+    use super::*;
+
+    /// White residuals on an error of the model that goes round once in 60 periods.
+    #[test]
+    fn slow_errors_of_the_model_are_no_noise() {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(1);
+        let sigma = [0.01, 0.02, 0.03];
+        let (mut noise, mut sum, mut count) = (Noise::default(), [0.0; 3], 0.0);
+        for k in 0..4_000 {
+            let slow = 0.1 * libm::sin(std::f64::consts::TAU * f64::from(k) / 60.0);
+            let mut residual = Vector6::zeros();
+            for (value, sigma) in residual.iter_mut().zip(sigma) {
+                *value = slow + sigma * standard_normal(&mut random);
+            }
+            noise.add(&residual, &Matrix6::zeros(), 1.0);
+            if k % 100 == 99 {
+                count += 1.0;
+                for (sum, variance) in sum.iter_mut().zip(noise.rough()) {
+                    *sum += variance;
+                }
+            }
+        }
+        for (sum, sigma) in sum.into_iter().zip(sigma) {
+            let found = (sum / count).sqrt();
+            assert!((found / sigma - 1.0).abs() < 0.1, "{found}, not {sigma}");
+        }
     }
 }
