@@ -17,7 +17,7 @@ pub(super) struct FmuState<M: FmuModel> {
 }
 
 const MAGIC: &[u8; 8] = b"LMPC-FMU";
-const FORMAT: u64 = 1;
+const FORMAT: u64 = 2;
 /// Magic, format, token hash, payload length, checksum.
 const HEADER: usize = 40;
 
