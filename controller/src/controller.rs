@@ -74,7 +74,7 @@ impl Controller {
             memory: Memory::new(&config),
             work: Workspace::new(&config, &car, &track, &model),
             prepared: false,
-            spare: Plan::default(),
+            spare: Plan::with_capacity(config.horizon.steps),
             setup: Setup {
                 bends: Bends::new(&car, &track),
                 tracker: Tracker::new(&car),

@@ -19,6 +19,11 @@ impl Plan {
         self.x.is_empty()
     }
 
+    /// Room for `steps` inputs.
+    pub(crate) fn with_capacity(steps: usize) -> Self {
+        Self { x: Vec::with_capacity(steps + 1), u: Vec::with_capacity(steps) }
+    }
+
     pub(crate) fn clear(&mut self) {
         self.x.clear();
         self.u.clear();
