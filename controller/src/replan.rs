@@ -11,7 +11,7 @@ use crate::controller::Controller;
 use crate::fhocp::SolveReport;
 use crate::optimize::Workspace;
 
-/// Least share of the speed that a lap had at the car's place for which it can be the plan.
+/// Least share of a lap's speed that the car must have, and be allowed to have, for the lap to be the plan.
 const AS_FAST: f64 = 0.8;
 
 impl Workspace {
@@ -42,8 +42,8 @@ impl Controller {
         None
     }
 
-    /// Makes the best lap of the safe set, from here on, the plan; false where the car is much slower than it
-    /// was then, or the lap was interrupted within the horizon.
+    /// Makes the best lap of the safe set, from here on, the plan; false where the car is, or has to be, much
+    /// slower than it was then, or the lap was interrupted within the horizon.
     fn driven_plan(&mut self, x_0: &State) -> bool {
         let memory = &mut self.memory;
         let Some(&lap) = memory.selected.first() else { return false };
@@ -61,7 +61,10 @@ impl Controller {
         memory.plan.x.push(*x_0);
         for t in 0..self.setup.config.horizon.steps {
             let (Some(now), Some(next)) = (seen(t), seen(t + 1)) else { return false };
-            if t == 0 && x_0.v_x < AS_FAST * now.sample.x.v_x {
+            let (allowed, s) = (self.work.speed_cap(), now.sample.x.s + now.offset);
+            let fastest = allowed.min(memory.derived.road_speed.at(s));
+            let fastest = if t == 0 { fastest.min(x_0.v_x) } else { fastest };
+            if fastest < AS_FAST * now.sample.x.v_x {
                 return false;
             }
             memory.plan.u.push(now.sample.u);
