@@ -175,6 +175,15 @@ impl Memory {
         self.dataset.laps.iter().filter(|lap| lap.result.valid).count()
     }
 
+    /// Speed that the envelope allows at s, or that of a lap which the envelope does not know yet \[m/s\].
+    ///
+    /// Behind the line such a lap went on from the end of one that the envelope knows. Without it each plan
+    /// across the line would have to brake by what the speed grew from lap to lap.
+    pub(crate) fn supported_speed(&self, s: f64, length: f64) -> f64 {
+        let new = self.dataset.speed_since(self.lap_end.learned, s.rem_euclid(length), length);
+        self.derived.envelope.at(s).max(new)
+    }
+
     /// The plan no longer fits where the car is.
     pub(crate) fn drop_plan(&mut self) {
         self.plan.clear();

@@ -256,7 +256,7 @@ impl Workspace {
             slippery -= harder;
             let road = memory.derived.road_speed.at(next.s).max(slippery);
             let limit = self.limit.at(next.s).min(self.speed_cap.max(approach)).min(road);
-            *most = memory.derived.envelope.at(next.s).min(limit);
+            *most = memory.supported_speed(next.s, setup.track.length()).min(limit);
         }
     }
 

@@ -27,7 +27,7 @@ use vehicle_model::{Input, Outline, State};
 use crate::config::RegressionMode;
 use crate::controller::{Controller, Setup};
 use crate::learning::dataset::{Lap, Sample, select};
-use crate::learning::envelope::{Envelope, NearMiss, REMEMBERED};
+use crate::learning::envelope::{Driven, Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip::Fit;
 use crate::learning::regression::{RegressionData, Target, leap_order};
 use crate::learning::road_speed::RoadSpeed;
@@ -280,7 +280,12 @@ impl Controller {
         let known = |miss: &&NearMiss| miss.lap < laps.len();
         let misses: Vec<NearMiss> = work.misses.iter().filter(known).copied().collect();
         let misses = (&misses[..], laps.len());
-        let chosen = self.memory.selected.iter().map(|&i| &*laps[i]);
+        let chosen = self.memory.selected.iter().map(|&i| {
+            let (samples, length) = (&laps[i].samples[..], track.length());
+            // At most the number of samples, which fits isize.
+            let seen = |index| self.memory.dataset.seen_from(i, index, length);
+            Driven { samples, before: seen(-1), behind: seen(samples.len() as isize) }
+        });
         let grip = self.memory.grip;
         let envelope = Envelope::new(&config.envelope, car, grip, (track, bends), chosen, misses);
         self.memory.derived.envelope = Arc::new(envelope);

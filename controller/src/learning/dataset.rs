@@ -67,6 +67,13 @@ pub(crate) struct Seen<'a> {
     pub(crate) offset: f64,
 }
 
+impl Seen<'_> {
+    /// The state, with s counted from the line of the lap it is seen from.
+    pub(crate) fn place(&self) -> State {
+        State { s: self.sample.x.s + self.offset, ..self.sample.x }
+    }
+}
+
 impl Dataset {
     /// Samples of a lap, and whether the first is the direct successor of the previous lap's last. The lap
     /// behind the closed ones is the one in progress.
@@ -90,6 +97,22 @@ impl Dataset {
         let Some(to) = samples.get(above).map(place).or(end) else { return from.1 };
         let share = (s - from.0) / (to.0 - from.0).max(f64::EPSILON);
         from.1 + share * (to.1 - from.1)
+    }
+
+    /// Greatest speed with which the laps from `first` on that are fit passed `s`, the one in progress as far as
+    /// it got; 0 where none did \[m/s\].
+    pub(crate) fn speed_since(&self, first: usize, s: f64, length: f64) -> f64 {
+        let at = |lap: usize| {
+            let (samples, _) = self.driven(lap);
+            // At most the number of samples, which fits isize.
+            let above = samples.partition_point(|sample| sample.x.s < s) as isize;
+            let place = |index| self.seen_from(lap, index, length).map(|seen| seen.place());
+            let (before, behind) = (place(above - 1)?, place(above)?);
+            let share = (s - before.s) / (behind.s - before.s).max(f64::EPSILON);
+            Some(before.v_x + share * (behind.v_x - before.v_x))
+        };
+        let fit = (first..=self.laps.len()).filter(|lap| self.fit(*lap));
+        fit.filter_map(at).fold(0.0, f64::max)
     }
 
     /// How long the car took for the round that it has just driven, from where it is in the lap in progress back

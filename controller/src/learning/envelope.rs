@@ -23,7 +23,7 @@ use vehicle_model::{CarParams, GRAVITY, RoadPoint, State, Track};
 
 use super::bends::Bends;
 use super::braking::{backward, between, deceleration, grid};
-use super::dataset::{Lap, Sample};
+use super::dataset::{Sample, Seen};
 use crate::config::EnvelopeConfig;
 
 /// Share of the reserve beside the body whose use is no near miss.
@@ -48,6 +48,13 @@ pub(crate) struct Envelope {
     speed: Vec<f64>,
     /// Greatest driven speed \[m/s\].
     driven: Vec<f64>,
+}
+
+/// A lap with the samples before and behind it, where the car drove on without interruption.
+pub(crate) struct Driven<'a> {
+    pub(crate) samples: &'a [Sample],
+    pub(crate) before: Option<Seen<'a>>,
+    pub(crate) behind: Option<Seen<'a>>,
 }
 
 /// A stretch on which the body came closer to an edge than the lane margin allows.
@@ -94,7 +101,7 @@ impl Envelope {
         car: &CarParams,
         grip: [f64; 2],
         (track, bends): (&Track, &Bends),
-        laps: impl Iterator<Item = &'a Lap>,
+        laps: impl Iterator<Item = Driven<'a>>,
         misses: (&[NearMiss], usize),
     ) -> Self {
         if !config.active {
@@ -111,14 +118,13 @@ impl Envelope {
             most: config.growth_most,
         };
         for lap in laps {
-            envelope.add(&room, lap);
+            envelope.add(&room, &lap);
         }
         if envelope.speed.iter().all(|v| *v == 0.0) {
             envelope.speed.clear();
             envelope.driven.clear();
             return envelope;
         }
-        envelope.fill_gaps();
         let braking = Braking { car, track, brake: config.brake_share * car.hardest_braking(), ds };
         let driven = &envelope.driven;
         backward(&mut envelope.speed, |i, here, after| {
@@ -139,40 +145,37 @@ impl Envelope {
     }
 
     /// Raises the grid to what a lap supports, between each two samples.
-    fn add(&mut self, room: &Room<'_>, lap: &Lap) {
-        let n = self.speed.len();
+    fn add(&mut self, room: &Room<'_>, lap: &Driven<'_>) {
+        let length = room.track.length();
+        let (Some(first), Some(last)) = (lap.samples.first(), lap.samples.last()) else { return };
+        // Every lap counts up to the line: where one ended a step before it, its neighbours would be a slower
+        // lap's, and plans would brake for them.
+        let before = lap.before.map_or(State { s: 0.0, ..first.x }, |before| before.place());
+        let behind = lap.behind.map_or(State { s: length, ..last.x }, |behind| behind.place());
+        self.raise(room, [&before, &first.x]);
         for pair in lap.samples.windows(2) {
-            let (from, to) = (&pair[0].x, &pair[1].x);
-            if to.s <= from.s {
-                continue;
-            }
-            let (low, high) = (room.speed(from), room.speed(to));
-            let first = (from.s / self.ds).ceil() as usize;
-            for i in first.. {
-                let share = (i as f64 * self.ds - from.s) / (to.s - from.s);
-                if share > 1.0 {
-                    break;
-                }
-                let here = &mut self.speed[i % n];
-                *here = here.max(low + share * (high - low));
-                let driven = &mut self.driven[i % n];
-                *driven = driven.max(from.v_x + share * (to.v_x - from.v_x));
-            }
+            self.raise(room, [&pair[0].x, &pair[1].x]);
         }
+        self.raise(room, [&last.x, &behind]);
     }
 
-    /// Points that no sample pair covers, at the ends of laps, take the value before them.
-    fn fill_gaps(&mut self) {
+    /// Raises the grid between two states of a lap, where it lies between line and line.
+    fn raise(&mut self, room: &Room<'_>, [from, to]: [&State; 2]) {
+        if to.s <= from.s {
+            return;
+        }
         let n = self.speed.len();
-        let Some(start) = self.speed.iter().position(|v| *v > 0.0) else { return };
-        let mut last = self.speed[start];
-        for k in 1..n {
-            let here = &mut self.speed[(start + k) % n];
-            if *here > 0.0 {
-                last = *here;
-            } else {
-                *here = last;
+        let (low, high) = (room.speed(from), room.speed(to));
+        let first = (from.s.max(0.0) / self.ds).ceil() as usize;
+        for i in first..n {
+            let share = (i as f64 * self.ds - from.s) / (to.s - from.s);
+            if share > 1.0 {
+                break;
             }
+            let here = &mut self.speed[i];
+            *here = here.max(low + share * (high - low));
+            let driven = &mut self.driven[i];
+            *driven = driven.max(from.v_x + share * (to.v_x - from.v_x));
         }
     }
 

@@ -281,6 +281,20 @@ mod tests {
         set
     }
 
+    /// The lap in progress counts as far as it got, from the line on; closed ones all the way round.
+    #[test]
+    fn speeds_since_a_lap_are_those_of_the_laps_that_passed_there() {
+        let data = laps();
+        for (first, s, expected) in [(3, 2.0, 2.1), (3, 6.0, 0.0), (2, 6.0, 1.7), (0, 2.0, 2.1)] {
+            let found = data.speed_since(first, s, LENGTH);
+            assert!((found - expected).abs() < 0.03, "since {first} at {s} m: {found}");
+        }
+        let at_line =
+            [(3, 1e-6), (2, LENGTH - 1e-6)].map(|(lap, s)| data.speed_since(lap, s, LENGTH));
+        assert!((at_line[0] - at_line[1]).abs() < 1e-3, "{at_line:?}");
+        assert!(at_line[0] > 1.7 && at_line[0] < 2.1, "{at_line:?}");
+    }
+
     #[test]
     fn to_the_line_the_cost_counts_the_periods_to_the_end_of_the_lap() {
         let set = filled(8.0, CostToGo::Line);

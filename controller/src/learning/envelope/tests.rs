@@ -4,8 +4,6 @@ use vehicle_model::{CarParams, Input, Segment, State, Track};
 
 use super::*;
 use crate::config::Config;
-use crate::lap_number::LapNumber;
-use crate::status::{LapKind, LapResult};
 
 const BRAKING_FROM: f64 = 1000.0;
 const FAST: f64 = 40.0;
@@ -18,30 +16,57 @@ fn ring() -> Track {
     Track::from_segments("ring", &[half, half], 6.0, 6.0).unwrap()
 }
 
-/// A lap at 40 m/s that brakes with `a` \[m/s^2\] to 10 m/s and then stays as slow.
-fn lap(a: f64) -> Lap {
+/// The samples of a lap at 40 m/s that brakes with `a` \[m/s^2\] to 10 m/s and then stays as slow.
+fn lap(a: f64) -> Vec<Sample> {
     let speed = |s: f64| {
         let squared = FAST * FAST - 2.0 * a * (s - BRAKING_FROM).max(0.0);
         squared.max(SLOW * SLOW).sqrt()
     };
-    let sample = |i: u32| {
-        let s = f64::from(i);
-        let v_x = speed(s);
-        let x = State { v_x, omega_z: v_x * std::f64::consts::PI / 1000.0, s, ..State::default() };
-        Sample { time: s, x, u: Input::default(), next: None }
-    };
-    let result =
-        LapResult { lap: LapNumber::new(1), kind: LapKind::Learning, lap_time: 60.0, valid: true };
-    let samples = (0..2000).map(sample).collect();
-    Lap { result, samples, start_time: 0.0, end_time: 60.0, follows: true }
+    (0..2000).map(|i| sample(f64::from(i), speed(f64::from(i)))).collect()
 }
 
-fn envelope(lap: &Lap, misses: &[NearMiss]) -> Envelope {
+/// On the ring road's line at a speed.
+fn sample(s: f64, v_x: f64) -> Sample {
+    let x = State { v_x, omega_z: v_x * std::f64::consts::PI / 1000.0, s, ..State::default() };
+    Sample { time: s, x, u: Input::default(), next: None }
+}
+
+/// A lap that neither follows another nor leads to one.
+fn alone(samples: &[Sample]) -> Driven<'_> {
+    Driven { samples, before: None, behind: None }
+}
+
+fn envelope_of<'a>(laps: impl Iterator<Item = Driven<'a>>, misses: &[NearMiss]) -> Envelope {
     let car = CarParams::builtin("iac").unwrap();
     let config = Config::default().envelope;
     let track = ring();
     let bends = Bends::new(&car, &track);
-    Envelope::new(&config, &car, [1.0; 2], (&track, &bends), std::iter::once(lap), (misses, 1))
+    Envelope::new(&config, &car, [1.0; 2], (&track, &bends), laps, (misses, 1))
+}
+
+fn envelope(lap: &[Sample], misses: &[NearMiss]) -> Envelope {
+    envelope_of(std::iter::once(alone(lap)), misses)
+}
+
+/// A slow lap with samples close to the line does not hold up a fast one that passed the line between two
+/// samples far apart, whether or not it led to another lap.
+#[test]
+fn the_fastest_lap_counts_at_the_line() {
+    let slow: Vec<_> = (0..2000).map(|i| sample(f64::from(i), SLOW)).collect();
+    let fast: Vec<_> = (0..39).map(|i| sample(25.0 + 50.0 * f64::from(i), FAST)).collect();
+    let (last, next) = (sample(1975.0, FAST), sample(25.0, FAST));
+    let between = Driven {
+        samples: &fast,
+        before: Some(Seen { sample: &last, offset: -2000.0 }),
+        behind: Some(Seen { sample: &next, offset: 2000.0 }),
+    };
+    for fast in [between, alone(&fast)] {
+        let found = envelope_of([alone(&slow), fast].into_iter(), &[]);
+        for s in [0.0, 0.5, 12.0, 1000.0, 1960.0, 1999.5] {
+            assert!((found.driven_at(s) - FAST).abs() < 1e-9, "at {s} m: {}", found.driven_at(s));
+            assert!(found.at(s) > FAST, "at {s} m: {}", found.at(s));
+        }
+    }
 }
 
 /// Where all grip is used, the way that a point mass needs to cross the track times the growth is a tenth of
@@ -52,7 +77,7 @@ fn a_fast_bend_of_a_narrow_track_grows_less() {
     let grip = car.tyre_front.mu.min(car.tyre_rear.mu) * GRAVITY;
     for (speed, limited) in [(140.0, true), (5.0, false)] {
         let mut lap = lap(0.0);
-        for sample in &mut lap.samples {
+        for sample in &mut lap {
             sample.x.v_x = speed;
             // More than the tyres hold.
             sample.x.omega_z = 2.0 * grip / speed;
@@ -64,7 +89,7 @@ fn a_fast_bend_of_a_narrow_track_grows_less() {
             &car,
             [1.0; 2],
             (&ring(), &bends),
-            std::iter::once(&lap),
+            std::iter::once(alone(&lap)),
             (&[], 1),
         );
         let growth = found.at(500.0) / speed - 1.0;
