@@ -47,6 +47,9 @@ const FASTEST: f64 = 150.0;
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
 /// against.
 const GROWTH: f64 = 0.35;
+/// Greatest change of the speed within one sampling period, in speeds sqrt(mu g l): a car that gains or loses
+/// more of it while it turns has left the bend that the plan was linearised in.
+const SPEED_CHANGE: f64 = 0.27;
 /// Greatest [`turn`] at top speed: a plan whose inputs turn the car by more in one step weaves.
 const TURN: f64 = 4.5;
 /// Top speed on the racing line over that on the centre line, at most.
@@ -96,6 +99,8 @@ impl Config {
             // A smaller car does as much in less time; a larger one is no slower to steer for that.
             let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
+            let strongest = car.a_max.max(-car.a_min);
+            let wanted = wanted.min(SPEED_CHANGE * Scales::new(car).speed / strongest);
             let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
             let mut period = period.max(SHORTEST);
             // A shorter period does not make the tyres answer sooner.
@@ -350,6 +355,21 @@ mod tests {
             let expected = yaw_rate / (0.9 * GRAVITY / v);
             let found = turn(&car, v, dt);
             assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found} not {expected}");
+        }
+    }
+
+    /// Cars whose drive and brakes are strong for their size are controlled in shorter periods.
+    #[test]
+    fn no_car_changes_its_speed_by_much_in_one_period() {
+        let track = Track::builtin("l").unwrap();
+        let period = |car: &CarParams| Config::derived(Preset::Race, car, &track).horizon.period;
+        let mut car = CarParams::builtin("barc").unwrap();
+        assert_eq!(period(&car), 0.1);
+        for (a_min, a_max) in [(-8.0, 2.0), (-2.0, 8.0)] {
+            (car.a_min, car.a_max) = (a_min, a_max);
+            let scale = (car.tyre_front.mu * GRAVITY * car.wheelbase()).sqrt();
+            let change = 8.0 * period(&car) / scale;
+            assert!(change < SPEED_CHANGE && change > 0.95 * SPEED_CHANGE, "{change}");
         }
     }
 
