@@ -136,6 +136,25 @@ fn the_body_counts_unless_asked_otherwise() {
     assert_ne!((row["failure"].as_str(), row["fail_lap"].as_str()), ("off_track", "0"), "{row:?}");
 }
 
+/// Cars of random numbers learn on tracks of their own with no setting chosen for them.
+#[test]
+fn random_cars_stay_on_generated_tracks() {
+    let folder = tempfile::tempdir().unwrap();
+    let cars: Vec<String> = (0..6)
+        .map(|seed| {
+            let file = folder.path().join(format!("{seed}.toml")).display().to_string();
+            let new = ["car", "random", "--seed", &seed.to_string(), "--out", &file];
+            let run = Command::new(env!("CARGO_BIN_EXE_lmpc")).args(new).output().unwrap();
+            assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+            file
+        })
+        .collect();
+    let cars: Vec<&str> = std::iter::once("--car").chain(cars.iter().map(String::as_str)).collect();
+    let size = ["--random", "1", "--random-seed", "40", "--seeds", "1", "--laps", "12"];
+    let run = study(&[&cars[..], &size].concat(), &folder.path().join("out"));
+    assert_eq!(run.status.code(), Some(0), "{}{}", text(&run.stdout), text(&run.stderr));
+}
+
 #[test]
 fn generated_tracks_belong_to_each_car() {
     let folder = tempfile::tempdir().unwrap();

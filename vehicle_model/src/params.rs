@@ -7,6 +7,7 @@
 mod check;
 mod file;
 mod keys;
+mod random;
 mod tyre_file;
 mod units;
 

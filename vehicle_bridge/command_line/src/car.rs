@@ -9,6 +9,7 @@ Examples:
   lmpc car new my_car --like barc            writes my_car.toml with every key, unit and meaning
   lmpc car new rental --like kart.toml --out cars/rental.toml
   lmpc car show kart                         every parameter, and what follows from them
+  lmpc car random --seed 7                   writes random_7.toml, a car that no setting was chosen for
   lmpc check my_car.toml                     every mistake, or what lmpc makes of it
 
 The keys, and how data sheets give them, stand in docs/cars.md.";
@@ -29,6 +30,8 @@ pub enum CarAction {
     New(NewCarArgs),
     /// Print every parameter of a car, its unit and its meaning, and what follows from them
     Show(ShowCarArgs),
+    /// Write a car of random numbers, neutral to understeering, from a model car's size to a road car's
+    Random(RandomCarArgs),
 }
 
 /// Options of `lmpc car show`.
@@ -49,6 +52,17 @@ pub struct NewCarArgs {
     #[arg(long, default_value = "barc", value_name = "NAME|FILE")]
     pub like: String,
     /// File to write, which must not be there yet; by default NAME.toml
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Options of `lmpc car random`.
+#[derive(Debug, Args)]
+pub struct RandomCarArgs {
+    /// Seed; the same seed gives the same car
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// File to write, which must not be there yet; by default random_SEED.toml
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -25,7 +25,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bench::BenchArgs;
-pub use car::{CarAction, CarFileArgs, NewCarArgs, ShowCarArgs};
+pub use car::{CarAction, CarFileArgs, NewCarArgs, RandomCarArgs, ShowCarArgs};
 pub use config::ConfigArgs;
 pub use export::ExportArgs;
 pub use fmu::{FmuAction, FmuArgs, InspectArgs, PackArgs};
