@@ -96,11 +96,11 @@ impl Config {
             let lap = PointMass::new(car, track);
             let substep = config.horizon.period / config.horizon.substeps as f64;
             let wanted = GROWTH / instability(car, RACING_LINE * lap.top).max(1e-6);
+            let (scales, strongest) = (Scales::new(car), car.a_max.max(-car.a_min));
+            let wanted = wanted.min(SPEED_CHANGE * scales.speed / strongest);
             // A smaller car does as much in less time; a larger one is no slower to steer for that.
-            let smaller = (Scales::new(car).time / Scales::reference().time).min(1.0);
+            let smaller = (scales.time / Scales::reference().time).min(1.0);
             // Whole milliseconds: hosts step in them.
-            let strongest = car.a_max.max(-car.a_min);
-            let wanted = wanted.min(SPEED_CHANGE * Scales::new(car).speed / strongest);
             let period = (1e3 * wanted.min(smaller * config.horizon.period)).floor();
             let mut period = period.max(SHORTEST);
             // A shorter period does not make the tyres answer sooner.

@@ -68,7 +68,7 @@ impl Controller {
                 return false;
             }
             memory.plan.u.push(now.sample.u);
-            memory.plan.x.push(State { s: next.sample.x.s + next.offset, ..next.sample.x });
+            memory.plan.x.push(next.place());
             memory.plan_tail = now.sample.u;
         }
         memory.query_s = memory.plan.x.last().map_or(x_0.s, |end| end.s);
