@@ -6,6 +6,8 @@
 //! to another car through the ratios of these scales. What a scale cannot know, the car's file
 //! says: the tyres' peak slip, the body, the brakes and the steering stop.
 
+mod yaw;
+
 use vehicle_model::{CarParams, GRAVITY, RoadPoint, Track, Tracker, Tyre};
 
 use crate::config::Config;
@@ -44,9 +46,6 @@ const WARM_UP_SHARE: f64 = 0.3;
 
 /// No road car is faster \[m/s\].
 const FASTEST: f64 = 150.0;
-/// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
-/// against.
-const GROWTH: f64 = 0.35;
 /// Greatest change of the speed within one sampling period, in speeds sqrt(mu g l): a car that gains or loses
 /// more of it while it turns has left the bend that the plan was linearised in.
 const SPEED_CHANGE: f64 = 0.27;
@@ -95,7 +94,7 @@ impl Config {
         if preset == Preset::Race {
             let lap = PointMass::new(car, track);
             let substep = config.horizon.period / config.horizon.substeps as f64;
-            let wanted = GROWTH / instability(car, RACING_LINE * lap.top).max(1e-6);
+            let wanted = yaw::longest_period(car, slip_guards(car), RACING_LINE * lap.top);
             let (scales, strongest) = (Scales::new(car), car.a_max.max(-car.a_min));
             let wanted = wanted.min(SPEED_CHANGE * scales.speed / strongest);
             // A smaller car does as much in less time; a larger one is no slower to steer for that.
@@ -260,31 +259,6 @@ fn round(speed: f64) -> f64 {
 /// A car at its top speed is not slowed down by its drive.
 fn drag_limited(drive: f64) -> f64 {
     drive.max(0.0)
-}
-
-/// Growth rate of the yaw instability at the hardest braking, up to this speed \[1/s\]; 0 for a car
-/// that stays stable.
-///
-/// Single track, linear tyres with stiffness B C mu F_z, loads moved by braking. The greatest real
-/// eigenvalue of [[-(C_f + C_r)/(m v), (l_r C_r - l_f C_f)/(m v) - v],
-/// [(l_r C_r - l_f C_f)/(I v), -(l_f^2 C_f + l_r^2 C_r)/(I v)]].
-fn instability(car: &CarParams, top: f64) -> f64 {
-    let l = car.wheelbase();
-    let moved = car.mass * car.hardest_braking() * car.h_cg / l;
-    let rate = |v: f64| {
-        let [front, rear] = car.loads_at(v);
-        let stiffness = |tyre: &Tyre, load: f64| tyre.b * tyre.c * tyre.mu * load.max(0.0);
-        let c_f = stiffness(&car.tyre_front, front + moved);
-        let c_r = stiffness(&car.tyre_rear, rear - moved);
-        let moment = car.l_r * c_r - car.l_f * c_f;
-        let damping = car.l_f * car.l_f * c_f + car.l_r * car.l_r * c_r;
-        let (a, b) = (-(c_f + c_r) / (car.mass * v), moment / (car.mass * v) - v);
-        let (c, d) = (moment / (car.inertia_z * v), -damping / (car.inertia_z * v));
-        let (half, product) = (0.5 * (a + d), a * d - b * c);
-        let root = half * half - product;
-        if root > 0.0 { half + root.sqrt() } else { half }
-    };
-    (1..=50).map(|i| rate(top * f64::from(i) / 50.0)).fold(0.0, f64::max)
 }
 
 /// Yaw rate that the front axle's grip gives within one sampling period, over that of the sharpest bend
