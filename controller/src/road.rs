@@ -33,8 +33,10 @@ use history::ShareHistory;
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::Controller;
 use crate::filter::Filter;
+use crate::lap_end::DRY;
 use crate::learned_model;
 use crate::learning::grip::SCALES;
+use crate::learning::grip_sums::GripSums;
 
 /// Hypotheses: factors on the share in force.
 const FACTORS: [f64; 9] = [1.0, 1.08, 0.96, 0.91, 0.84, 0.77, 0.68, 0.58, 0.46];
@@ -75,6 +77,8 @@ const BEFORE: usize = 2;
 pub(crate) struct Road {
     /// Share of the fitted grip in force.
     pub(crate) share: f64,
+    /// What noisy measurements of the lap in progress say of the grip in force, while that is a share of the fitted.
+    pub(crate) of_lap: GripSums,
     /// What it rises to, where the laps since the last fall say a higher one.
     goal: Option<f64>,
     /// G_h.
@@ -96,6 +100,7 @@ impl Default for Road {
     fn default() -> Self {
         Self {
             share: 1.0,
+            of_lap: GripSums::default(),
             goal: None,
             sums: [0.0; FACTORS.len()],
             uncounted: [0.0; FACTORS.len()],
@@ -113,7 +118,7 @@ impl Road {
     fn change(&mut self, share: f64, lap: usize, sample: usize) {
         if share < self.share {
             (self.fresh, self.proved, self.count) = (FRESH, 0.0, KNOWN);
-            self.goal = None;
+            (self.goal, self.of_lap) = (None, GripSums::default());
         }
         self.share = share;
         self.history.change(share, (lap, sample));
@@ -249,11 +254,15 @@ impl Controller {
         let noise = filter.velocity_noise(&memory.estimate);
         // The filtered state has a part of the noise too.
         let variance = [0, 1, 2].map(|row| SCALES[row] * SCALES[row] + 4.0 * noise[row]);
-        let (share, grip, sums) = (memory.road.share, memory.grip, &mut memory.grip_sums);
+        let share = memory.road.share;
+        let in_force = memory.grip.map(|grip| share * grip);
+        // A road without its share of the grip says nothing of what it has with it.
+        let slippery = share < DRY;
+        let sums = if slippery { &mut memory.road.of_lap } else { &mut memory.grip_sums };
         let model = &setup.model;
         model.grip_jacobians(&[(*last, *u)], &setup.track.road(), &mut |_, next, by_grip| {
             let residual = [now.v_x - next[0], now.v_y - next[1], now.omega_z - next[2]];
-            sums.add(grip, residual, by_grip.map(|row| row.map(|j| share * j)), variance);
+            sums.add(in_force, residual, by_grip, variance);
         });
     }
 

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use controller::{Config, Controller, Measurement, Pose, Preset};
-use vehicle_model::{CarParams, GripChange, Outline, Plant, PlantParams, State, Track};
+use vehicle_model::{
+    CarParams, GripChange, Outline, Plant, PlantParams, SensorNoise, State, Track,
+};
 
 /// What happened in a race.
 struct Race {
@@ -20,6 +22,11 @@ struct Race {
 
 /// A race of the small car whose grip is `factor` from `fall` on, until `end` \[s\].
 fn race(factor: f64, fall: f64, end: f64, duration: f64) -> Race {
+    race_with(SensorNoise::default(), factor, fall, end, duration)
+}
+
+/// The same with noise of its measurements.
+fn race_with(noise: SensorNoise, factor: f64, fall: f64, end: f64, duration: f64) -> Race {
     let car = CarParams::builtin("barc").unwrap();
     let track = Arc::new(Track::builtin("l").unwrap());
     let nominal = car.clone().with_mu(1.2);
@@ -28,6 +35,7 @@ fn race(factor: f64, fall: f64, end: f64, duration: f64) -> Race {
     let mut params = PlantParams::new(car.clone());
     let change = GripChange { factor: [factor; 2], time_s: Some([fall, end]), s_m: None };
     params.disturbance.grip.push(change);
+    params.noise = noise;
     let start = State { v_x: config.warm_up.speed, ..State::default() };
     let mut plant = Plant::new(params, Arc::clone(&track), start).unwrap();
     let mut controller = Controller::new(config, nominal, Arc::clone(&track)).unwrap();
@@ -67,6 +75,15 @@ fn grip_that_comes_back_is_given_back_slowly() {
     let race = race(0.8, 126.3, 136.3, 175.0);
     assert!(race.seen.is_some());
     assert!(race.share > 0.85, "{}", race.share);
+    assert!(race.rise > 0.0 && race.rise < 0.0101, "{}", race.rise);
+}
+
+/// What is fitted among noise must not make up for a share that is no more: the car would stay slow.
+#[test]
+fn grip_that_comes_back_among_noise_is_given_back_whole() {
+    let race = race_with(SensorNoise::laboratory(), 0.75, 126.3, 131.3, 200.0);
+    assert!(race.seen.is_some());
+    assert!(race.share > 0.97, "{}", race.share);
     assert!(race.rise > 0.0 && race.rise < 0.0101, "{}", race.rise);
 }
 

@@ -22,10 +22,17 @@ impl Controller {
             return self.begin_data();
         }
         if self.memory.estimate.filters() {
-            if let Some(fitted) = self.memory.grip_sums.grip()
+            if let Some(fitted) = self.memory.grip_sums.grip([1.0; 2])
                 && grip::differ(fitted, self.memory.grip)
             {
                 work.grip = fitted;
+            }
+            let share = self.memory.road.share;
+            let in_force = self.memory.grip.map(|grip| share * grip);
+            // Of each lap anew: the first ones since the fall may have had another share.
+            let lap = std::mem::take(&mut self.memory.road.of_lap);
+            if let Some(fitted) = lap.grip(in_force) {
+                self.propose_share(fitted);
             }
             return self.begin_data();
         }
@@ -74,6 +81,12 @@ impl Controller {
     /// Fits the grip that a lap on a slippery road had: the share in force comes from a few samples.
     pub(super) fn fit_share(&mut self, piece: usize) {
         let Some(fitted) = self.advance_fit(piece) else { return };
+        self.propose_share(fitted);
+        self.begin_data();
+    }
+
+    /// The share in force becomes what the factors [front, rear] since the last fall are of the dry road's.
+    fn propose_share(&mut self, fitted: [f64; 2]) {
         let grip = self.memory.lap_end.grip;
         let share = 0.5 * (fitted[0] / grip[0] + fitted[1] / grip[1]);
         let in_force = self.memory.road.share;
@@ -82,7 +95,6 @@ impl Controller {
             let share = if share < DRY { share } else { 1.0 };
             self.memory.lap_end.share = Some(share).filter(|share| (share - in_force).abs() > SAME);
         }
-        self.begin_data();
     }
 
     /// The grip fell anew: the share that a lap before the fall had no longer counts, and the data that are being

@@ -35,7 +35,7 @@ use crate::memory::Inherited;
 use crate::status::LapKind;
 
 /// Share of the fitted grip above which a road counts as having all of it.
-const DRY: f64 = 0.97;
+pub(crate) const DRY: f64 = 0.97;
 /// Samples of a piece for each stage of the horizon.
 const SHARE: usize = 6;
 

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! Lambda <- FORGET Lambda + w J' S^-1 J          eta <- FORGET eta + w J' S^-1 (r + J g)
-//! g = (Lambda + 1/PRIOR^2)^-1 (eta + 1/PRIOR^2)
+//! g = (Lambda + 1/PRIOR^2)^-1 (eta + g_0/PRIOR^2)                g_0: what is expected
 //! ```
 //!
 //! with the model's derivative J by the factors, the variances S and the robust weights w of the fit
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a period says one period later.
 const FORGET: f64 = 0.9985;
-/// Standard deviation of the grip of a road before it is driven.
+/// Standard deviation of the grip of a road before it is driven, about what is expected of it.
 const PRIOR: f64 = 0.25;
 /// Factors outside this range are rejected.
 const RANGE: (f64, f64) = (0.2, 3.0);
@@ -54,11 +54,11 @@ impl GripSums {
         (self.lambda, self.eta) = (lambda.into(), eta.into());
     }
 
-    /// The most likely factors [front, rear].
-    pub(crate) fn grip(&self) -> Option<[f64; 2]> {
+    /// The most likely factors [front, rear], where these were `expected` before.
+    pub(crate) fn grip(&self, expected: [f64; 2]) -> Option<[f64; 2]> {
         let prior = 1.0 / (PRIOR * PRIOR);
         let lambda = Matrix2::from(self.lambda) + Matrix2::identity() * prior;
-        let eta = Vector2::from(self.eta) + Vector2::repeat(prior);
+        let eta = Vector2::from(self.eta) + Vector2::from(expected) * prior;
         let grip = lambda.cholesky()?.solve(&eta);
         Some(grip.map(|factor| factor.clamp(RANGE.0, RANGE.1)).into())
     }
@@ -81,8 +81,8 @@ mod tests {
             let r = j.map(|j| j[0] * (truth[0] - grip[0]) + j[1] * (truth[1] - grip[1]));
             sums.add(grip, r, j, [0.01, 0.01, 0.1]);
         }
-        let found = sums.grip().unwrap();
+        let found = sums.grip([1.0; 2]).unwrap();
         assert!((found[0] - truth[0]).abs() < 0.01 && (found[1] - truth[1]).abs() < 0.01);
-        assert_eq!(GripSums::default().grip(), Some([1.0; 2]));
+        assert_eq!(GripSums::default().grip([0.9, 0.8]), Some([0.9, 0.8]));
     }
 }
