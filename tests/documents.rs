@@ -204,6 +204,60 @@ fn the_rustdoc_of_the_controller_links_to_files_that_exist() {
     }
 }
 
+/// Lines of a module's own doc.
+fn module_doc(text: &str) -> String {
+    let lines = text.lines().take_while(|line| line.starts_with("//!"));
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
+/// What a row of the table of equations is known by: its number in brackets, or the words up to a comma.
+fn label(cell: &str) -> &str {
+    match cell.strip_prefix('(').and_then(|rest| rest.find(')')) {
+        Some(end) => &cell[..end + 2],
+        None => cell.split(',').next().unwrap(),
+    }
+}
+
+#[test]
+fn each_file_of_the_table_of_equations_opens_with_the_label_of_its_row() {
+    let text = read(&root().join("controller/src/lib.rs"));
+    let mut labels = Vec::new();
+    for row in text.lines().filter_map(|line| line.strip_prefix("//! | ")) {
+        let label = label(row.split(" | ").next().unwrap());
+        for link in row.split("(../src/").skip(1) {
+            let (package, path) = link.split(".html").next().unwrap().split_once('/').unwrap();
+            let folders = [root().join(package), root().join("controller").join(package)];
+            let files = folders.iter().map(|folder| folder.join("src").join(path));
+            let file = files.into_iter().find(|file| file.exists()).unwrap();
+            let doc = module_doc(&read(&file));
+            assert!(doc.contains("```text") || !label.starts_with('('), "{path}: no equation");
+            let found = doc.to_lowercase().contains(&label.to_lowercase());
+            assert!(found, "{}: its doc has no {label}", file.display());
+            labels.push(label);
+        }
+    }
+    for number in ["(1)", "(3)", "(4)", "(5)", "(6)", "(7)", "(8)", "D^j", "D^0", "X^j", "z_bar"] {
+        assert!(labels.contains(&number), "{number}: no row of the table links a file");
+    }
+    let paths = ["learning/dataset.rs", "slip.rs", "plan.rs", "drive.rs", "learned_model.rs"];
+    for path in paths {
+        let doc = module_doc(&read(&root().join("controller/src").join(path)));
+        assert!(doc.contains("```text"), "{path} opens without its equation");
+    }
+}
+
+#[test]
+fn the_deviations_from_the_paper_stand_in_one_place() {
+    let heading = "# Deviations from the paper";
+    let mut files = documents();
+    files.push(root().join("controller/src/lib.rs"));
+    let with = files.iter().filter(|file| read(file).contains(heading));
+    let with: Vec<_> = with.map(|file| file.strip_prefix(root()).unwrap().to_owned()).collect();
+    assert_eq!(with, [Path::new("docs/explanation/algorithm.md")]);
+    let lib = read(&root().join("controller/src/lib.rs"));
+    assert!(lib.contains("`docs/explanation/algorithm.md`, section \"Deviations from the paper\""));
+}
+
 #[test]
 fn the_changelog_and_the_citation_are_of_this_version() {
     let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();

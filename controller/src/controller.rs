@@ -298,7 +298,7 @@ impl Controller {
     pub fn learned_model(&self, x: &State, u: &Input) -> LearnedModel {
         let data = &self.memory.derived.regression;
         let mut scratch = Scratch::new(&self.setup.config.regression, 0);
-        Workspace::model_at(&self.setup, data, x, u, &mut scratch)
+        LearnedModel::at(&self.setup, data, x, u, &mut scratch)
     }
 
     /// The configuration.

@@ -1,4 +1,10 @@
-//! What a step decides: initial lap, learned control, or what is left when that fails.
+//! What a step decides: initial lap (data D^0 of the paper), learned control, or what is left when that fails.
+//!
+//! ```text
+//! D^0:      a = a_track(x) + n_a,   delta = delta_track(x) + n_delta      n normal: excitation for the regression
+//! learned:  u = u*_0 of the FHOCP (4), its steering through the inverse tyre (nominal.inverse_tyre)
+//! else:     u of the shifted plan z_bar, then a_track and delta_track, then braking along the centre line
+//! ```
 
 use vehicle_model::normal::standard_normal;
 use vehicle_model::{Input, Limiter, State};
@@ -6,8 +12,8 @@ use vehicle_model::{Input, Limiter, State};
 use crate::controller::{Controller, Setup};
 use crate::derive::Scales;
 use crate::fhocp::{Fhocp, greatest};
+use crate::learned_model::LearnedModel;
 use crate::observe::Observation;
-use crate::optimize::Workspace;
 use crate::slip;
 use crate::status::{Action, Phase, Probe, Reason, Status};
 
@@ -266,7 +272,7 @@ impl Controller {
         let (mut x, mut next) = (*x, None);
         for u in &self.memory.queue {
             let data = &self.memory.derived.regression;
-            let model = Workspace::model_at(&self.setup, data, &x, u, &mut self.work.scratch);
+            let model = LearnedModel::at(&self.setup, data, &x, u, &mut self.work.scratch);
             x = State::from_vector(&model.sum().apply(&x.to_vector(), &u.to_vector()));
             next.get_or_insert(x);
         }

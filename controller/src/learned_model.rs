@@ -1,10 +1,18 @@
 //! The model the controller predicts with: nominal Jacobians plus what the regression learned.
+//!
+//! ```text
+//! x_{t+1} = A x_t + B u_t + C       A = A^f + A^e,   B = B^f + B^e,   C = C^f + C^e
+//! A^f = df/dx,   B^f = df/du,   C^f = f(z_bar) - A^f x_bar - B^f u_bar          at z_bar = (x_bar, u_bar)
+//! ```
+//!
+//! A^e, B^e and C^e are (6), from `learning/ridge.rs`.
 
 use fhocp::Affine;
 use nalgebra::{Matrix6, Vector6};
 use vehicle_model::{Discretized, Input, State, Track};
 
 use crate::config::{RegressionConfig, RegressionMode};
+use crate::controller::Setup;
 use crate::learning::regression::{RegressionData, Scratch, regressor};
 
 /// A model of one period around a point, in its two parts.
@@ -19,6 +27,19 @@ pub struct LearnedModel {
 }
 
 impl LearnedModel {
+    /// Nominal and error model at one point.
+    pub(crate) fn at(
+        setup: &Setup,
+        data: &RegressionData,
+        x: &State,
+        u: &Input,
+        scratch: &mut Scratch,
+    ) -> Self {
+        let nominal = nominal(&setup.model, setup.config.regression.mode, &setup.track, x, u);
+        let (error, support) = error(data, &setup.regression, 0, (x, u), scratch);
+        Self { nominal, error, support }
+    }
+
     /// Nominal plus error.
     #[must_use]
     pub fn sum(&self) -> Affine {

@@ -1,4 +1,12 @@
-//! Preparation of the FHOCP along the shifted plan, and its solution from a measured state.
+//! Preparation of the FHOCP (4) along the shifted plan z_bar, and its solution from a measured state.
+//!
+//! ```text
+//! A_t, B_t, C_t   (6) + nominal, at z_bar_t          `linearize`, `regress`
+//! X, J            (3), at the end of the plan        safe set, `aim`
+//! r = c_du (w_a, w_delta) / dt^2                     `weigh`: c_du counts rates per second
+//! lane, slip, speed bounds of each stage             `linearize`, `bound_speed`
+//! u_t = u*_0                                         `solve`
+//! ```
 
 use nalgebra::{Vector2, Vector6};
 use vehicle_model::{CarParams, Discretized, Input, Outline, State, Track};
@@ -7,8 +15,8 @@ use crate::config::Config;
 use crate::controller::Setup;
 use crate::fhocp::{Affine, Fhocp, FhocpSolver, Slacks, Solution, SolveReport, Solver};
 use crate::lane;
-use crate::learned_model::{self, LearnedModel};
-use crate::learning::regression::{RegressionData, Scratch};
+use crate::learned_model;
+use crate::learning::regression::Scratch;
 use crate::learning::safe_set::{Query, SafeSet};
 use crate::learning::speed_limit::SpeedLimit;
 use crate::memory::Memory;
@@ -367,20 +375,6 @@ impl Workspace {
     /// Weights lambda of the safe-set points in the last solution.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.solution.lambda
-    }
-
-    /// Nominal and error model at one point.
-    pub(crate) fn model_at(
-        setup: &Setup,
-        data: &RegressionData,
-        x: &State,
-        u: &Input,
-        scratch: &mut Scratch,
-    ) -> LearnedModel {
-        let mode = setup.config.regression.mode;
-        let nominal = learned_model::nominal(&setup.model, mode, &setup.track, x, u);
-        let (error, support) = learned_model::error(data, &setup.regression, 0, (x, u), scratch);
-        LearnedModel { nominal, error, support }
     }
 }
 

@@ -1,4 +1,11 @@
-//! The predicted trajectory, carried from step to step.
+//! The predicted trajectory, and z_bar: the last solution shifted by one period, along which the next problem is
+//! linearised.
+//!
+//! ```text
+//! z_bar_t = (x*_{t+1}, u*_{t+1})      t = 0..N-2
+//! u_bar_{N-1} = X_u lambda*           the inputs of the safe-set points, weighted as their states
+//! x_bar_N     = f(x*_N, u_bar_{N-1})
+//! ```
 
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, State};

@@ -1,5 +1,11 @@
-//! Slip angles of a plan: rows for the guards, what slip costs, and how much of the rear axle's
-//! guard a braking car has, and the steering that gives a force.
+//! Slip angles of a plan: rows for the guards, what slip costs, how much of the rear axle's guard a braking car has,
+//! and the steering that gives a force. The paper's (4) has none of it.
+//!
+//! ```text
+//! alpha_f = delta - atan((v_y + l_f omega_z) / v_x),   alpha_r = -atan((v_y - l_r omega_z) / v_x)
+//! |alpha_f(x_t, u_t)| <= front_max share_t + f_t,      |alpha_r(x_t)| <= rear_max share_t + g_t     guards, soft
+//! c (alpha - ref)^2,   c = k (N - t) dt C_alpha / (m v),   C_alpha = F_y / alpha                    dissipation
+//! ```
 
 use fhocp::SlipRow;
 use nalgebra::{Matrix6, Vector3, Vector6};

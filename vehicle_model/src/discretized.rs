@@ -1,4 +1,9 @@
-//! One control step of a model: Runge-Kutta 4 with the input held, and its exact Jacobians.
+//! One control step of a model, (1) of the paper: Runge-Kutta 4 with the input held, and its exact Jacobians.
+//!
+//! ```text
+//! x_{k+1} = f(x_k, u_k)                                            (1)
+//! A^f = df/dx,   B^f = df/du                                       of the whole step, through every sub-step
+//! ```
 
 mod bend;
 mod direct;

@@ -1,4 +1,5 @@
-//! Single-track (bicycle) models of the car in the Frenet frame.
+//! Single-track (bicycle) models of the car in the Frenet frame: the velocity rates of each kind
+//! of model, and the Frenet kinematics that all have in common (the paper's text, without a number).
 //!
 //! The equations are written once, over a generic number: plain `f64` gives values, dual numbers
 //! give exact Jacobians of the same code, lanes of a vector register several cars at once.

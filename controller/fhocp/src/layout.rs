@@ -1,4 +1,8 @@
-//! Where each variable and row of the sparse QP stands, and every entry of its matrices.
+//! Where each variable and row of the FHOCP (4) stands in the sparse QP, and every entry of its matrices.
+//!
+//! ```text
+//! minimise 1/2 z' P z + q' z    subject to  A z = b (equalities),  A z <= b (inequalities)
+//! ```
 //!
 //! Variables: x_1..x_N, u_0..u_{N-1}, lambda, terminal slack e, lane slacks s, front slip slacks,
 //! rear slip slacks, speed slacks. x_0 is eliminated. Rows: dynamics, terminal, simplex

@@ -1,4 +1,4 @@
-//! The finite-horizon optimal control problem (paper, FHOCP) in stage form, and its solution.
+//! The finite-horizon optimal control problem, the FHOCP (4) of the paper, in stage form, and its solution.
 //!
 //! ```text
 //! minimise   sum_t  c_u |u_t|^2 + r' (u_t - u_{t-1})^2           t = 0..N-1

@@ -5,7 +5,7 @@
 //! | smoothing | samples of the lap | [`smooth`](crate::filter) |
 //! | near misses | samples of the lap | [`envelope`](crate::learning::envelope) |
 //! | grip | samples of the fit | [`grip`](crate::learning::grip) |
-//! | data | samples of the regression's laps | [`regression`](crate::learning::regression) |
+//! | data | samples of the regression's laps | `targets.rs`, [`regression`](crate::learning::regression) |
 //! | envelope | all of it | [`envelope`](crate::learning::envelope) |
 //!
 //! A piece is [`Setup::piece`] samples: a number, not a time, so that results do not depend on the
@@ -15,6 +15,7 @@
 
 mod grip;
 mod restore;
+mod targets;
 #[cfg(test)]
 mod tests;
 
@@ -24,12 +25,11 @@ use actuators::Actuators;
 use serde::{Deserialize, Serialize};
 use vehicle_model::{Input, Outline, State};
 
-use crate::config::RegressionMode;
 use crate::controller::{Controller, Setup};
-use crate::learning::dataset::{Lap, Sample, select};
+use crate::learning::dataset::{Lap, select};
 use crate::learning::envelope::{Driven, Envelope, NearMiss, REMEMBERED};
 use crate::learning::grip::Fit;
-use crate::learning::regression::{RegressionData, Target, leap_order};
+use crate::learning::regression::RegressionData;
 use crate::learning::road_speed::RoadSpeed;
 use crate::memory::Inherited;
 use crate::status::LapKind;
@@ -302,61 +302,5 @@ impl Controller {
             RoadSpeed::new(car, (track, bends), grip, &memory.dataset.laps[best], driven)
         });
         self.memory.derived.road_speed = Arc::new(bound.unwrap_or_default());
-    }
-}
-
-impl Setup {
-    /// Adds the samples of `lap` that stand at the places `range` of its order.
-    fn add(
-        &self,
-        data: &mut RegressionData,
-        lap: &Lap,
-        range: std::ops::Range<usize>,
-        (grip, share): ([f64; 2], &dyn Fn(usize) -> f64),
-        (points, targets): (&mut Vec<(State, Input)>, &mut Vec<[f64; 3]>),
-    ) {
-        let order = leap_order(lap.samples.len(), range);
-        let samples = order.map(|i| (&lap.samples[i], share(i)));
-        self.targets(samples, grip, points, targets);
-        for ((x, u), y) in points.iter().zip(targets) {
-            if y.iter().all(|v| v.is_finite()) {
-                data.add(Target::new(x, u, *y));
-            }
-        }
-    }
-
-    /// What the regression has to explain of the samples whose successor is known: in full mode their
-    /// next velocities, in error mode what the nominal model gets wrong of them with their share of
-    /// this grip.
-    pub(crate) fn targets<'a>(
-        &self,
-        samples: impl Iterator<Item = (&'a Sample, f64)>,
-        grip: [f64; 2],
-        points: &mut Vec<(State, Input)>,
-        targets: &mut Vec<[f64; 3]>,
-    ) {
-        points.clear();
-        targets.clear();
-        let mut shares = Vec::new();
-        for (sample, share) in samples {
-            let Some(next) = sample.next else { continue };
-            points.push((sample.x, sample.u));
-            targets.push(next);
-            shares.push(share);
-        }
-        if self.config.regression.mode == RegressionMode::Error {
-            let mut model = self.model.clone();
-            let (mut begin, road) = (0, self.track.road());
-            for same in shares.chunk_by(|a, b| a == b) {
-                let end = begin + same.len();
-                model.model.grip = grip.map(|grip| same[0] * grip);
-                model.velocities_all(&points[begin..end], &road, &mut |i, expected| {
-                    for (target, expected) in targets[begin + i].iter_mut().zip(expected) {
-                        *target -= expected;
-                    }
-                });
-                begin = end;
-            }
-        }
     }
 }

@@ -1,4 +1,8 @@
-//! Lap data D^j (paper, section on data): every measured state with the input really applied.
+//! Recorded laps, D^j of the paper: every measured state with the input that acted until the next one.
+//!
+//! ```text
+//! D^j = { (x_k^i, u_k^i) : laps i = 0..j, samples k = 0..T^i - 1 }
+//! ```
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Error dynamics regression (paper, section on regression): a local affine model of what the
-//! nominal model gets wrong in the velocity rows.
+//! Error dynamics regression, (8) of the paper: a local affine model of what the nominal model gets wrong in the
+//! velocity rows. `ridge.rs` solves it for the features of (7) and gives the matrices of (6).
 //!
 //! For a point z_bar = [v_x, v_y, omega_z, a, delta] of the horizon, with the M nearest stored
 //! samples z_m and their targets y_m,
@@ -7,7 +7,7 @@
 //! ```text
 //! u_m    = (z_m - z_bar)' Q (z_m - z_bar)
 //! K(u)   = 3/4 (1 - u^2/h^2)  for u < h, else 0                   (Epanechnikov)
-//! Gamma  = argmin  sum_m K(u_m) (y_m - Gamma' phi_m)^2 + eps |Gamma|^2
+//! Gamma* = argmin  sum_m K(u_m) (y_m - Gamma' phi_m)^2 + eps |Gamma|^2            (8)
 //! ```
 //!
 //! The kernel takes the squared distance u: with it the paper's study of h is reproduced.

@@ -1,4 +1,18 @@
-//! Weighted ridge regression of the velocity rows: normal equations of a handful of features.
+//! Weighted ridge regression of the velocity rows, (6) to (8) of the paper: normal equations of a handful of
+//! features.
+//!
+//! ```text
+//! v_x row:                phi = [v_x, v_y, omega_z, a, 1]              (7), features = "own"
+//! v_y and omega_z rows:   phi = [v_x, v_y, omega_z, delta, 1]
+//! every row:              phi = [v_x, v_y, omega_z, a, delta, 1]       features = "both"
+//!
+//! (Phi' W Phi + eps I) Gamma* = Phi' W y        W = diag K(u_m)        (8), solved by a Cholesky factor
+//!
+//! A^e = [Gamma_vx Gamma_vy Gamma_omega 0 0 0],  B^e = [Gamma_a Gamma_delta],  C^e = Gamma_1      (6)
+//! ```
+//!
+//! Gamma_q are the coefficients of the feature q in the three velocity rows; a row's missing feature has 0. The
+//! pose rows of A^e, B^e and C^e are zero.
 
 use fhocp::Affine;
 use nalgebra::{SMatrix, SVector};

@@ -1,5 +1,9 @@
-//! Local safe set and cost-to-go (paper, SS^j and Q^j): K samples of each of P laps, nearest in s
-//! to the predicted terminal state.
+//! Local safe set X^j and its cost-to-go T^i - k, (3) of the paper: K samples of each of P laps, nearest in s to
+//! the predicted terminal state.
+//!
+//! ```text
+//! X^j = [x_k^i]   P laps i, in each the K samples k with the least |s_k^i - s_q|       (3), with D = diag(0, 0, 0, 0, 1, 0)
+//! ```
 //!
 //! A lap is seen together with the end of the lap before it and the start of the lap that
 //! followed, as driven. The set is taken in the frame of the lap that the query lies in, so that
