@@ -4,9 +4,15 @@
 
 use std::path::{Path, PathBuf};
 
-const FOLDERS: [&str; 6] = [
+const FOLDERS: [&str; 12] = [
     "src",
     "../controller/src",
+    "../controller/actuators/src",
+    "../controller/fhocp/src",
+    "../controller/neighbors/src",
+    "../controller/vector_sums/src",
+    "../vehicle_bridge/atomic_file/src",
+    "../vehicle_bridge/bounded_file/src",
     "../vehicle_model/src",
     "../vehicle_model/track/src",
     "../cars",

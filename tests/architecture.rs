@@ -86,6 +86,36 @@ fn dependencies(package: &str) -> Vec<String> {
     all
 }
 
+/// A library must not take the saved state of another build.
+#[test]
+fn the_token_of_the_fmus_is_made_of_all_crates_behind_them() {
+    let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    let paths = workspace["workspace"]["dependencies"].as_table().unwrap();
+    let build = read(&root().join("fmu/build.rs"));
+    let mut behind = 0;
+    for name in dependencies("fmu_core").iter().skip(1) {
+        let Some(path) = paths.get(name).and_then(|d| d.get("path")?.as_str()) else { continue };
+        assert!(build.contains(&format!("\"../{path}/src\"")), "fmu/build.rs lacks {path}");
+        behind += 1;
+    }
+    assert!(behind >= 9, "{behind} crates behind the FMUs");
+}
+
+#[test]
+fn no_source_file_has_more_than_400_lines() {
+    let mut files = Vec::new();
+    for folder in
+        ["controller", "fmu", "lcm_types", "python", "tests", "vehicle_bridge", "vehicle_model"]
+    {
+        sources(&root().join(folder), &mut files);
+    }
+    assert!(files.len() > 400, "{} files", files.len());
+    for file in files.iter().filter(|file| !file.components().any(|c| c.as_os_str() == "target")) {
+        let lines = read(file).lines().count();
+        assert!(lines <= 400, "{}: {lines} lines", file.display());
+    }
+}
+
 /// Every crate with all it may depend on directly, sorted. Who adds one here says why in the commit.
 const DEPENDENCIES: &[(&str, &str)] = &[
     (

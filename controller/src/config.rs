@@ -103,9 +103,9 @@ impl Config {
     }
 
     fn over(base: &Self, text: &str) -> Result<Self, ConfigError> {
-        let base = toml::Table::try_from(base).map_err(ConfigError::merge)?;
-        let user: toml::Table = toml::from_str(text).map_err(ConfigError::syntax)?;
-        let config: Self = merge(base, user).try_into().map_err(ConfigError::syntax)?;
+        let mut table = toml::Table::try_from(base).map_err(ConfigError::merge)?;
+        overlay(&mut table, toml::from_str(text).map_err(ConfigError::syntax)?);
+        let config: Self = table.try_into().map_err(ConfigError::syntax)?;
         config.checked()
     }
 
@@ -130,17 +130,14 @@ impl Config {
     }
 }
 
-/// `user` laid over `base`, table by table.
-fn merge(mut base: toml::Table, user: toml::Table) -> toml::Table {
-    for (key, value) in user {
-        match (base.remove(&key), value) {
-            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => {
-                base.insert(key, toml::Value::Table(merge(below, above)));
-            }
+/// Lays `above` over `base`, table by table.
+pub fn overlay(base: &mut toml::Table, above: toml::Table) {
+    for (key, value) in above {
+        match (base.get_mut(&key), value) {
+            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => overlay(below, above),
             (_, value) => {
                 base.insert(key, value);
             }
         }
     }
-    base
 }

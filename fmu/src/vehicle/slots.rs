@@ -42,7 +42,7 @@ pub(crate) struct Slots {
     pub(crate) way: [Real; 3],
 }
 
-/// Forward speed at the start: that of the controller's initial laps [m/s].
+/// Forward speed at the start: about that of a 1/10-scale car's initial laps [m/s].
 const START_SPEED: f64 = 1.2;
 
 /// Name, unit and meaning of the six states and the global pose.

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use bounded_file::Limit;
-use controller::config::SECTIONS;
 use controller::config::keys::{ConfigKey, ConfigValue, Derivation};
+use controller::config::{SECTIONS, overlay};
 use controller::{Config, Preset};
 use toml::{Table, Value};
 use vehicle_model::{CarParams, Track};
@@ -173,17 +173,6 @@ impl Layers {
             (None, Preset::Race, Derivation::Car(rule)) => SettingOrigin::Car(rule),
             (None, Preset::Race, Derivation::CarAndTrack(rule)) => SettingOrigin::CarAndTrack(rule),
             (None, preset, _) => SettingOrigin::Preset(preset),
-        }
-    }
-}
-
-fn overlay(base: &mut Table, above: Table) {
-    for (key, value) in above {
-        match (base.get_mut(&key), value) {
-            (Some(Value::Table(below)), Value::Table(above)) => overlay(below, above),
-            (_, value) => {
-                base.insert(key, value);
-            }
         }
     }
 }
