@@ -82,9 +82,10 @@ impl Actuators {
             late += more;
             beta = 1.0 - (mean - more);
         }
-        let ramp = |rate: Option<f64>| match rate {
-            Some(rate) if lag <= 0.0 => 0.5 / (rate * dt),
-            _ => 0.0,
+        // A rate without limit is infinite: the compiler may divide both inputs' at once, whichever has one.
+        let ramp = |rate: Option<f64>| match lag <= 0.0 {
+            true => 0.5 / (rate.unwrap_or(f64::INFINITY) * dt),
+            false => 0.0,
         };
         Self {
             share,
