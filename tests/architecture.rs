@@ -110,8 +110,8 @@ fn no_source_file_has_more_than_400_lines() {
         sources(&root().join(folder), &mut files);
     }
     assert!(files.len() > 400, "{} files", files.len());
-    for file in files.iter().filter(|file| !file.components().any(|c| c.as_os_str() == "target")) {
-        let lines = read(file).lines().count();
+    for file in files {
+        let lines = read(&file).lines().count();
         assert!(lines <= 400, "{}: {lines} lines", file.display());
     }
 }

@@ -33,11 +33,12 @@ use history::ShareHistory;
 use crate::config::{NominalModel, RegressionMode};
 use crate::controller::Controller;
 use crate::filter::Filter;
-use crate::lap_end::DRY;
 use crate::learned_model;
 use crate::learning::grip::SCALES;
 use crate::learning::grip_sums::GripSums;
 
+/// Share of the fitted grip above which a road counts as having all of it.
+pub(crate) const DRY: f64 = 0.97;
 /// Hypotheses: factors on the share in force.
 const FACTORS: [f64; 9] = [1.0, 1.08, 0.96, 0.91, 0.84, 0.77, 0.68, 0.58, 0.46];
 /// What a period's evidence is worth one period later.

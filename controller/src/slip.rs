@@ -121,8 +121,7 @@ fn velocities(x: &State) -> Vector3<f64> {
 /// Near the peak slip the rear then gives way to every error. 1 while the car drives on.
 pub(crate) fn rear_share(car: &CarParams, v_x: f64, a: f64) -> f64 {
     let [_, rear] = car.loads_at(v_x);
-    let moved = car.mass * (-a).max(0.0) * car.h_cg / car.wheelbase();
-    (1.0 - moved / rear).max(LEAST_SHARE)
+    (1.0 - car.moved_load((-a).max(0.0)) / rear).max(LEAST_SHARE)
 }
 
 #[cfg(test)]

@@ -189,6 +189,12 @@ impl CarParams {
         [front + lift(self.cl_front), rear + lift(self.cl_rear)]
     }
 
+    /// Load that a deceleration \[m/s^2\] moves from the rear axle to the front axle \[N\].
+    #[must_use]
+    pub fn moved_load(&self, deceleration: f64) -> f64 {
+        self.mass * deceleration * self.h_cg / self.wheelbase()
+    }
+
     /// Strongest deceleration by the brakes: what may be commanded, or what their force gives \[m/s^2\].
     #[must_use]
     pub fn hardest_braking(&self) -> f64 {

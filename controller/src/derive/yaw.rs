@@ -3,10 +3,11 @@
 use vehicle_model::CarParams;
 
 /// Growth of the yaw instability within one sampling period, as its exponent, that is still steered
-/// against: of a car that brakes straight ahead, and of one that corners as its tyres allow while it brakes,
-/// which it does for a shorter time and on tyres that saturate.
+/// against by a car that brakes straight ahead.
 const GROWTH: f64 = 0.35;
+/// The same of a car that corners while it brakes: it does so for a shorter time, and on tyres that saturate.
 const CORNERING_GROWTH: f64 = 1.1;
+
 /// Longest sampling period in which a car that brakes, up to this speed, can still be steered against its yaw
 /// instability \[s\]. The guards bound the slip angles, front and rear \[rad\].
 pub(super) fn longest_period(car: &CarParams, guards: [f64; 2], top: f64) -> f64 {
@@ -25,7 +26,8 @@ pub(super) fn longest_period(car: &CarParams, guards: [f64; 2], top: f64) -> f64
 /// eigenvalue of [[-(C_f + C_r)/(m v), (l_r C_r - l_f C_f)/(m v) - v],
 /// [(l_r C_r - l_f C_f)/(I v), -(l_f^2 C_f + l_r^2 C_r)/(I v)]].
 fn growth_rate(car: &CarParams, guards: [f64; 2], v: f64, cornering: f64) -> f64 {
-    let (peaks, slips) = (peak_forces(car, v), slips(car, guards, v, cornering));
+    let peaks = peak_forces(car, v);
+    let slips = slips(car, guards, peaks, cornering);
     let c_f = peaks[0] * car.tyre_front.force_share(slips[0]).1;
     let c_r = peaks[1] * car.tyre_rear.force_share(slips[1]).1;
     let moment = car.l_r * c_r - car.l_f * c_f;
@@ -39,15 +41,15 @@ fn growth_rate(car: &CarParams, guards: [f64; 2], v: f64, cornering: f64) -> f64
 
 /// Greatest lateral force of the front and the rear axle at the hardest braking \[N\].
 fn peak_forces(car: &CarParams, v: f64) -> [f64; 2] {
-    let moved = car.mass * car.hardest_braking() * car.h_cg / car.wheelbase();
+    let moved = car.moved_load(car.hardest_braking());
     let [front, rear] = car.loads_at(v);
     [(front + moved).max(0.0) * car.tyre_front.mu, (rear - moved).max(0.0) * car.tyre_rear.mu]
 }
 
-/// Slip angles of the front and the rear axle at the hardest braking and a share of the lateral acceleration
-/// that the guards allow \[rad\].
-fn slips(car: &CarParams, guards: [f64; 2], v: f64, cornering: f64) -> [f64; 2] {
-    let (peaks, tyres) = (peak_forces(car, v), [&car.tyre_front, &car.tyre_rear]);
+/// Slip angles of axles with these peak forces at a share of the lateral acceleration that the guards
+/// allow, front and rear \[rad\].
+fn slips(car: &CarParams, guards: [f64; 2], peaks: [f64; 2], cornering: f64) -> [f64; 2] {
+    let tyres = [&car.tyre_front, &car.tyre_rear];
     // An axle bears the share of the lateral force that the other one's distance is of the wheelbase.
     let borne = [car.l_r, car.l_f].map(|distance| distance / car.wheelbase());
     let most = |i: usize| peaks[i] * tyres[i].force_share(guards[i]).0 / borne[i];
@@ -70,7 +72,7 @@ mod tests {
             let car = CarParams::builtin(name).unwrap();
             let model = Model::new(ModelKind::Dynamic, car.clone());
             for cornering in [0.0, 0.6, 0.9] {
-                let [front, rear] = slips(&car, [0.1, 0.1], v, cornering);
+                let [front, rear] = slips(&car, [0.1, 0.1], peak_forces(&car, v), cornering);
                 // The yaw rate is that of some bend; the slips are those of the axles.
                 let omega_z = 0.5 * v / 10.0;
                 let v_y = car.l_r * omega_z - v * libm::tan(rear);

@@ -1,9 +1,10 @@
 //! Grip of the laps, or, on a road that has become slippery, the share of it that the last lap had.
 
-use super::{DRY, Stage};
+use super::Stage;
 use crate::config::NominalModel;
 use crate::controller::Controller;
 use crate::learning::grip;
+use crate::road::DRY;
 use crate::status::LapKind;
 
 /// Share given back after a lap at most.

@@ -32,10 +32,9 @@ use crate::learning::grip::Fit;
 use crate::learning::regression::RegressionData;
 use crate::learning::road_speed::RoadSpeed;
 use crate::memory::Inherited;
+use crate::road::DRY;
 use crate::status::LapKind;
 
-/// Share of the fitted grip above which a road counts as having all of it.
-pub(crate) const DRY: f64 = 0.97;
 /// Samples of a piece for each stage of the horizon.
 const SHARE: usize = 6;
 

@@ -181,6 +181,11 @@ mod tests {
 
     use super::*;
 
+    fn car_on_track() -> (Discretized, Track) {
+        let model = Model::new(ModelKind::Dynamic, CarParams::builtin("barc").unwrap());
+        (Discretized { model, dt: 0.1, substeps: 10 }, Track::builtin("l").unwrap())
+    }
+
     /// Samples of a car that drives as the model does with this grip, faster and faster.
     fn driven(model: &Discretized, track: &Track, grip: [f64; 2], count: usize) -> Vec<Sample> {
         let mut model = model.clone();
@@ -212,10 +217,7 @@ mod tests {
 
     #[test]
     fn the_grip_of_the_driven_car_is_found_whatever_the_pieces() {
-        let track = Track::builtin("l").unwrap();
-        let car = CarParams::builtin("barc").unwrap();
-        let model =
-            Discretized { model: Model::new(ModelKind::Dynamic, car), dt: 0.1, substeps: 10 };
+        let (model, track) = car_on_track();
         for grip in [[0.75, 0.75], [0.6, 0.9], [1.2, 1.1], [1.0, 1.0]] {
             for count in [40, 2000] {
                 let samples = driven(&model, &track, grip, count);
@@ -233,10 +235,7 @@ mod tests {
     /// The steering acts otherwise than the samples say, which no grip explains.
     #[test]
     fn what_no_grip_explains_is_not_taken_for_grip() {
-        let track = Track::builtin("l").unwrap();
-        let car = CarParams::builtin("barc").unwrap();
-        let model =
-            Discretized { model: Model::new(ModelKind::Dynamic, car), dt: 0.1, substeps: 10 };
+        let (model, track) = car_on_track();
         for seed in 0..20 {
             let mut rng = rand_pcg::Pcg64::seed_from_u64(seed);
             let mut samples = driven(&model, &track, [1.0; 2], 300);
