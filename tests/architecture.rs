@@ -192,7 +192,10 @@ const DEPENDENCIES: &[(&str, &str)] = &[
         "anyhow atomic_file bounded_file comfy-table controller csv hosting libm racing rand rand_pcg serde svg_page toml vehicle_model",
     ),
     ("vehicle_bridge/svg_page", ""),
-    ("vehicle_bridge/terminal", "anstream anstyle indicatif network_watch racing serde serde_json"),
+    (
+        "vehicle_bridge/terminal",
+        "anstream anstyle indicatif lcm_types network_watch racing serde serde_json",
+    ),
     ("vehicle_bridge/transport", "anyhow lcm lcm_types libloading nix socket2 thiserror"),
     (
         "vehicle_bridge/vehicle_host",

@@ -40,6 +40,7 @@ mod ids;
 mod message;
 #[cfg(test)]
 mod message_tests;
+mod plan;
 pub mod schema;
 pub mod signature;
 pub mod value;
@@ -49,6 +50,7 @@ pub use arrival::Arrival;
 pub use error::Error;
 pub use ids::{ArmToken, BootId, LapIndex, MonoTime, SeqNumber};
 pub use message::{Checked, Message};
+pub use plan::plan_step;
 
 // What the file of random messages, shared with an example, calls this crate.
 #[cfg(test)]

@@ -57,7 +57,7 @@ const FINGERPRINTS: [(&str, u64); 14] = [
     ("lmpc.actuation_report_t", 0x424b_58e8_d5db_3819),
     ("lmpc.frenet_t", 0xe7e5_6d20_a1c3_5904),
     ("lmpc.header_t", 0x82d3_c0e5_44ca_3ecc),
-    ("lmpc.heartbeat_t", 0x5289_775c_07e9_2b9a),
+    ("lmpc.heartbeat_t", 0xbd2d_35c7_bca7_faa4),
     ("lmpc.hello_t", 0xf8fc_fcfe_8285_1bcc),
     ("lmpc.lap_result_t", 0x2454_ff89_ec6b_8c97),
     ("lmpc.mpc_telemetry_t", 0x121f_9ef0_2acd_c0ec),

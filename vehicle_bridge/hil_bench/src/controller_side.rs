@@ -30,9 +30,9 @@ impl ControllerMessages {
     pub(super) fn values(&self, start_ns: i64, values: &mut MeasuredValues) {
         let most = self.steps.iter().map(|step| step.overruns).max();
         values.insert(Measure::Overruns, f64::from(most.unwrap_or(0)));
-        let dropped = self.beats.iter().map(log_dropped).max().unwrap_or(0);
+        let dropped = self.beats.iter().map(|beat| beat.log_dropped).max().unwrap_or(0);
         values.insert(Measure::LogDropped, dropped as f64);
-        let failed = self.beats.iter().filter(|beat| beat.detail.contains("cannot save")).count();
+        let failed = self.beats.iter().map(|beat| beat.save_failures).max().unwrap_or(0);
         values.insert(Measure::SaveFailures, failed as f64);
         self.of_steps(start_ns, values);
         let before = self.beats.iter().rfind(|beat| beat.h.mono_ns <= start_ns);
@@ -42,7 +42,7 @@ impl ControllerMessages {
         if let (Some(before), Some(beat)) = (before, self.beats.iter().find(anew)) {
             values.insert(Measure::ReadyMs, (beat.h.mono_ns - start_ns) as f64 * 1e-6);
             values.reacted(Measure::ReadyMs, 0.0);
-            // The very first one may be sent before there is anything to say.
+            // The very first one may be sent before the controller is ready.
             let found = self.beats.iter().filter(anew).find_map(laps);
             if let (Some(known), Some(found)) = (laps(before), found) {
                 values.insert(Measure::LapsLost, known - found);
@@ -86,13 +86,7 @@ impl ControllerMessages {
 
 /// Laps the controller has learned, from a heartbeat. \[-\]
 fn laps(beat: &Heartbeat) -> Option<f64> {
-    beat.detail.split(" laps learned").next()?.rsplit(' ').next()?.parse().ok()
-}
-
-/// Messages missing in the program's log, from a heartbeat. \[-\]
-pub(super) fn log_dropped(beat: &Heartbeat) -> u64 {
-    let said = beat.detail.split("log: ").nth(1).and_then(|rest| rest.split(' ').next());
-    said.and_then(|number| number.parse().ok()).unwrap_or(0)
+    (beat.laps_learned >= 0).then(|| f64::from(beat.laps_learned))
 }
 
 #[cfg(test)]
@@ -148,16 +142,17 @@ mod tests {
             overruns,
             ..MpcTelemetry::default()
         };
-        let beat = |boot_id, at, detail: &str| Heartbeat {
+        let beat = |boot_id, at, laps_learned| Heartbeat {
             h: h(boot_id, at),
-            detail: detail.to_owned(),
+            laps_learned,
             ..Heartbeat::default()
         };
         let controller = ControllerMessages {
             beats: vec![
-                beat(1, 5, "7 laps learned; log: 12 messages dropped, full; cannot save x: full"),
-                beat(1, 12, "8 laps learned"),
-                beat(2, 2_000_010, "6 laps learned"),
+                Heartbeat { log_dropped: 12, save_failures: 1, ..beat(1, 5, 7) },
+                beat(1, 12, 8),
+                beat(2, 2_000_010, -1),
+                beat(2, 2_000_110, 6),
             ],
             steps: vec![step(1, 9, 3), step(2, 20, 0)],
         };

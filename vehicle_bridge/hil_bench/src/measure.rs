@@ -45,7 +45,8 @@ pub enum Measure {
     StormHz,
     /// Emergency stops that were lost before the first that was not.
     EstopsLost,
-    /// Heartbeats that name a wrong fingerprint.
+    /// Messages of another type, or of another version of it, that the car side counted after the
+    /// fault's beginning.
     FingerprintsNamed,
     /// Orders that the car side refused.
     OrdersRefused,
@@ -63,7 +64,7 @@ pub enum Measure {
     LapsLost,
     /// Messages that controller and car side could not write to their logs, as their heartbeats say.
     LogDropped,
-    /// Heartbeats of the controller that say that what it learned cannot be saved.
+    /// Attempts of the controller to save what it learned that failed, as its heartbeats say.
     SaveFailures,
     /// Share of the controller's steps after the fault's beginning that raced: its learned plan. \[-\]
     RacedShare,

@@ -14,14 +14,14 @@ use lcm_types::{
 };
 use vehicle_model::{Limiter, State, Track};
 
-use super::controller_side::{ControllerMessages, log_dropped};
+use super::controller_side::ControllerMessages;
 use super::measure::{Measure, MeasuredValues};
 use super::on_car::TRUTH;
 use super::output::{STOP, drives, unsafe_reports};
 use super::passed::Passed;
 use transport::{Inbox, Received};
 
-const PLAN: i8 = 2;
+const PLAN: i8 = ActuationReport::PLAN;
 /// A second. \[ns\]
 const SECOND_NS: i64 = 1_000_000_000;
 /// The car side stood still if two reports are this far apart. \[ms\]
@@ -187,15 +187,15 @@ impl Heard {
     }
 
     fn of_beats(&self, start_ns: i64, values: &mut MeasuredValues) {
-        let named = self.beats.iter().filter(|beat| beat.detail.contains("wrong fingerprint"));
-        values.insert(Measure::FingerprintsNamed, named.count() as f64);
         let before = self.beats.iter().rev().find(|beat| beat.h.mono_ns <= start_ns);
-        let dropped = self.beats.iter().map(log_dropped).max().unwrap_or(0);
+        let dropped = self.beats.iter().map(|beat| beat.log_dropped).max().unwrap_or(0);
         let both = values.get(Measure::LogDropped).unwrap_or(0.0) + dropped as f64;
         values.insert(Measure::LogDropped, both);
         if let (Some(first), Some(last)) = (before, self.beats.last()) {
             let refused = |b: &Heartbeat| b.rx_bad + b.rx_old + b.rx_stale;
             values.insert(Measure::Refused, (refused(last) - refused(first)) as f64);
+            let named = last.rx_wrong_type - first.rx_wrong_type;
+            values.insert(Measure::FingerprintsNamed, named as f64);
         }
     }
 
@@ -219,7 +219,8 @@ mod tests {
     fn report(tick: i64, source: i8, steer: f64) -> ActuationReport {
         let h = Header { mono_ns: tick * 10 * MS, seq: tick, ..Header::default() };
         // After the third none came.
-        let (enabled, cmd_seq) = (matches!(source, 1 | 2), tick.min(2));
+        let (enabled, cmd_seq) =
+            (matches!(source, ActuationReport::COMMAND | ActuationReport::PLAN), tick.min(2));
         ActuationReport { h, source, enabled, cmd_seq, steer, ..ActuationReport::default() }
     }
 

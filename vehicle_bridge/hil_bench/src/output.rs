@@ -6,11 +6,11 @@ use vehicle_model::Limiter;
 /// Rounding of what is compared with a limit. \[-\]
 const ROUNDING: f64 = 1e-6;
 /// Source of a report that stops.
-pub(super) const STOP: i8 = 3;
+pub(super) const STOP: i8 = ActuationReport::SAFE_STOP;
 
 /// Whether a report lets the controller drive, by command or by plan.
 pub(super) fn drives(report: &ActuationReport) -> bool {
-    report.enabled && matches!(report.source, 1 | 2)
+    report.enabled && matches!(report.source, ActuationReport::COMMAND | ActuationReport::PLAN)
 }
 
 /// Reports outside the car's box or rates, or not finite; with `latching`, also those that drive
@@ -81,7 +81,7 @@ mod tests {
 
     fn report(tick: i64, source: i8, accel: f64, steer: f64) -> ActuationReport {
         let h = Header { mono_ns: tick * 10_000_000, seq: tick, ..Header::default() };
-        let enabled = matches!(source, 1 | 2);
+        let enabled = matches!(source, ActuationReport::COMMAND | ActuationReport::PLAN);
         ActuationReport { h, source, enabled, accel, steer, ..ActuationReport::default() }
     }
 

@@ -1,6 +1,6 @@
 //! What a run looked like over time, for the verdict: speed, room, inputs and states.
 
-use lcm_types::{Heartbeat, MpcTelemetry};
+use lcm_types::{ActuationReport, Heartbeat, MpcTelemetry};
 use safety::BridgeState;
 use serde::Serialize;
 use vehicle_model::State;
@@ -129,10 +129,10 @@ fn thinned<T>(points: Vec<T>) -> Vec<T> {
 /// `source` of a report in words.
 fn source(source: i8) -> &'static str {
     match source {
-        0 => "held",
-        1 => "command",
-        2 => "plan",
-        3 => "stop",
+        ActuationReport::NOBODY => "held",
+        ActuationReport::COMMAND => "command",
+        ActuationReport::PLAN => "plan",
+        ActuationReport::SAFE_STOP => "stop",
         _ => "unknown",
     }
 }

@@ -10,7 +10,7 @@ use super::stream::Stream;
 use super::{
     CarSeen, Estimates, OrderAnswer, OrderSeen, ProgramSeen, Seen, Snapshot, StepSeen, TrackSeen,
 };
-use safety::BridgeState;
+use safety::{BridgeState, StopReason};
 
 /// A program silent for longer may be gone. \[s\]
 const SILENCE_S: f64 = 0.5;
@@ -65,9 +65,13 @@ impl Watch {
             Seen::Order(order) => self.order(order, arrival_ns),
             Seen::Answer(ack) => self.answer(ack),
             Seen::Beat(name, beat) => {
-                let stop = beat.detail.split("; ").find_map(|d| d.strip_prefix("last stop: "));
-                if name == "bridge" {
-                    self.stop = stop.map(str::to_owned).or(self.stop.take());
+                // Arming forgets the reason, people want to see the last one still.
+                if name == "bridge" && beat.stop_reason != Heartbeat::STOP_NONE {
+                    let known = StopReason::of_codes(beat.stop_reason, beat.stop_doubt);
+                    self.stop = Some(known.map_or_else(
+                        || format!("reason {} of another version", beat.stop_reason),
+                        |reason| reason.to_string(),
+                    ));
                 }
                 self.programs.insert(name.clone(), (beat.clone(), arrival_ns));
             }
@@ -167,9 +171,9 @@ impl Watch {
         });
         let report = self.report.as_ref();
         let driven_by = match report.map(|report| report.source) {
-            Some(1) => "command",
-            Some(2) => "plan",
-            Some(3) => "stop",
+            Some(ActuationReport::COMMAND) => "command",
+            Some(ActuationReport::PLAN) => "plan",
+            Some(ActuationReport::SAFE_STOP) => "stop",
             _ => "nobody",
         };
         CarSeen {

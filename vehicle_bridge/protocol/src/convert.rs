@@ -2,8 +2,8 @@
 
 use controller::{Config, Measurement, Plan, Pose};
 use lcm_types::{
-    ActuationCommand, ArmToken, BootId, Frenet, Header, LapIndex, MonoTime, SeqNumber,
-    VehicleState, crc,
+    ActuationCommand, ActuationReport, ArmToken, BootId, Frenet, Header, LapIndex, MonoTime,
+    SeqNumber, VehicleState, crc, plan_step,
 };
 use vehicle_model::{CarParams, GlobalState, Input, State, Track};
 
@@ -64,7 +64,7 @@ pub fn state_message(
         meas_utime: h.utime,
         meas_mono_ns: measured.as_ns(),
         valid: VehicleState::POSE | VehicleState::VEL | VehicleState::FRENET | VehicleState::STEER,
-        quality: 2,
+        quality: VehicleState::GOOD,
         x: pose.x,
         y: pose.y,
         yaw: pose.psi,
@@ -195,28 +195,24 @@ impl CommandDraft<'_> {
     }
 }
 
-/// What a command asks for `age` seconds after it came: its input for a period, then its fallback
-/// plan, at most as long as it is valid. `None` when it is dead, or asks for no driving.
+/// What a command asks for `age` seconds after it came, and whether that is its own input or its fallback
+/// plan ([`ActuationReport::COMMAND`], [`ActuationReport::PLAN`]), by the rule of [`plan_step`]. `None` when
+/// it is dead, or asks for no driving.
 #[must_use]
-pub fn input_at(command: &ActuationCommand, age: f64) -> Option<Input> {
+pub fn input_at(command: &ActuationCommand, age: f64) -> Option<(Input, i8)> {
     let drives = command.enable && command.mode == ActuationCommand::MODE_DRIVE;
     if !drives || age > f64::from(command.valid_for_us) * 1e-6 {
         return None;
     }
     let now = Input { a: command.accel, delta: command.steer };
     let dt = f64::from(command.plan_dt);
-    // A command late by a little is no reason to leave it.
-    let step = if dt > 0.0 { (age / dt - 0.25).max(0.0).floor() } else { 0.0 };
-    if step < 1.0 {
-        return Some(now);
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 or above")]
-    let step = (step as usize).min(command.plan_accel.len().saturating_sub(1));
-    let (a, delta) = (command.plan_accel.get(step), command.plan_steer.get(step));
-    match (a, delta) {
-        (Some(a), Some(delta)) => Some(Input { a: f64::from(*a), delta: f64::from(*delta) }),
-        _ => Some(now),
-    }
+    let steps = command.plan_accel.len().min(command.plan_steer.len());
+    let Some(step) = plan_step(nanoseconds(age), nanoseconds(dt), dt, steps) else {
+        return Some((now, ActuationReport::COMMAND));
+    };
+    let planned = command.plan_accel.get(step).zip(command.plan_steer.get(step));
+    let planned = planned.map(|(a, delta)| Input { a: f64::from(*a), delta: f64::from(*delta) });
+    Some((planned.unwrap_or(now), ActuationReport::PLAN))
 }
 
 #[cfg(test)]
@@ -247,6 +243,20 @@ mod tests {
     }
 
     #[test]
+    fn the_limits_have_the_bits_of_their_report() {
+        use vehicle_model::Limit;
+        let bits = [
+            (Limit::Steering, ActuationReport::STEERING),
+            (Limit::SteeringRate, ActuationReport::STEERING_RATE),
+            (Limit::Acceleration, ActuationReport::ACCELERATION),
+            (Limit::Jerk, ActuationReport::ACCELERATION_RATE),
+            (Limit::SpeedCap, ActuationReport::SPEED_CAP),
+            (Limit::NotFinite, ActuationReport::NOT_FINITE),
+        ];
+        assert!(bits.iter().all(|(limit, bit)| *limit as i32 == *bit));
+    }
+
+    #[test]
     fn whole_periods_have_the_bits_of_the_offline_clock() {
         for period in [0.1, 0.01, 0.04, 1.0 / 30.0] {
             for n in 0..20_000 {
@@ -272,9 +282,9 @@ mod tests {
         };
         let mut command = order.message(Header::default());
         assert_eq!(command.n_plan, 3);
-        assert_eq!(input_at(&command, 0.1), Some(u(0.0)));
-        assert_eq!(input_at(&command, 0.13), Some(u(1.0)));
-        assert_eq!(input_at(&command, 0.24), Some(u(2.0)));
+        assert_eq!(input_at(&command, 0.1), Some((u(0.0), ActuationReport::COMMAND)));
+        assert_eq!(input_at(&command, 0.13), Some((u(1.0), ActuationReport::PLAN)));
+        assert_eq!(input_at(&command, 0.24), Some((u(2.0), ActuationReport::PLAN)));
         assert_eq!(input_at(&command, 0.26), None);
         command.enable = false;
         assert_eq!(input_at(&command, 0.0), None);

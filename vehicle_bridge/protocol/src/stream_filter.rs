@@ -1,12 +1,14 @@
 //! Checks of a received stream: sequence, sender, age. Pure: the caller passes the time.
 
-use lcm_types::{BootId, Checked, Header, MonoTime, SeqNumber};
+use lcm_types::{BootId, Checked, Error, Header, MonoTime, SeqNumber};
 
 /// Why a message is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RejectReason {
-    /// Malformed, another type, failed checksum, or values that cannot be.
+    /// Malformed, failed checksum, or values that cannot be.
     Bad,
+    /// Another type, or another version of it.
+    WrongType,
     /// Repeated, out of order, or from a sender that is not the one listened to.
     Old,
     /// Too old on arrival.
@@ -18,8 +20,10 @@ pub enum RejectReason {
 pub struct StreamCounts {
     /// Accepted. \[-\]
     pub ok: i64,
-    /// Refused as [`RejectReason::Bad`]. \[-\]
+    /// Refused as [`RejectReason::Bad`] or as [`RejectReason::WrongType`]. \[-\]
     pub bad: i64,
+    /// Refused as [`RejectReason::WrongType`]. \[-\]
+    pub wrong_type: i64,
     /// Refused as [`RejectReason::Old`]. \[-\]
     pub old: i64,
     /// Refused as [`RejectReason::Stale`]. \[-\]
@@ -82,6 +86,10 @@ impl StreamFilter {
         match checked {
             Ok(_) => self.counts.ok += 1,
             Err(RejectReason::Bad) => self.counts.bad += 1,
+            Err(RejectReason::WrongType) => {
+                self.counts.bad += 1;
+                self.counts.wrong_type += 1;
+            }
             Err(RejectReason::Old) => self.counts.old += 1,
             Err(RejectReason::Stale) => self.counts.stale += 1,
         }
@@ -96,7 +104,10 @@ impl StreamFilter {
         header: impl Fn(&M) -> &Header,
         sane: impl Fn(&M) -> bool,
     ) -> Result<Accepted<M>, RejectReason> {
-        let message = M::open(bytes).map_err(|_| RejectReason::Bad)?;
+        let message = M::open(bytes).map_err(|error| match error {
+            Error::Fingerprint { .. } => RejectReason::WrongType,
+            _ => RejectReason::Bad,
+        })?;
         if !sane(&message) {
             return Err(RejectReason::Bad);
         }

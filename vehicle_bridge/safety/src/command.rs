@@ -1,6 +1,6 @@
 //! A command as the core sees it, and what it must be to be believed.
 
-use lcm_types::{ArmToken, BootId, MonoTime, SeqNumber};
+use lcm_types::{ArmToken, BootId, MonoTime, SeqNumber, plan_step};
 use vehicle_model::{Input, Limiter};
 
 /// Steps of a fallback plan that are kept; more are cut off. \[-\]
@@ -116,16 +116,9 @@ impl DecodedCommand {
         if !self.drives || age_ns > self.valid_for_ns {
             return None;
         }
-        if age_ns <= period_ns {
+        let Some(step) = plan_step(age_ns, period_ns, self.plan_dt, self.plan().len()) else {
             return Some((self.input, false));
-        }
-        let steps = if self.plan_dt > 0.0 { age_ns as f64 * 1e-9 / self.plan_dt } else { 0.0 };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "age is positive"
-        )]
-        let step = (steps as usize).min(self.plan().len().saturating_sub(1));
+        };
         Some((self.plan().get(step).copied().unwrap_or(self.input), true))
     }
 }

@@ -1,6 +1,6 @@
 //! What each state of the car changes.
 
-use lcm_types::MonoTime;
+use lcm_types::{MonoTime, VehicleState};
 use vehicle_model::State;
 
 use super::command::Reject;
@@ -18,7 +18,7 @@ impl Safety {
         quality: i8,
         now: MonoTime,
     ) -> Answer {
-        if quality < 1 || !x.is_finite() {
+        if quality < VehicleState::DEGRADED || !x.is_finite() {
             return Answer::Rejected(Reject::NotFinite);
         }
         // After a gap they have not been good for long, whatever they were before it.

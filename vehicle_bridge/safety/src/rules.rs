@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::doubt::DoubtLimits;
 use super::doubt::response::GRIPS;
-use lcm_types::{BootId, crc};
+use lcm_types::{BootId, VehicleState, crc};
 use vehicle_model::{CarParams, Limiter, Model, ModelKind, Track, Tracker};
 
 /// What a controller, or a bridge, was set up with. A value of 0 is not compared.
@@ -29,7 +29,7 @@ pub struct Rules {
     pub tick_ns: i64,
     /// Time between two states. \[ns\]
     pub state_ns: i64,
-    /// Least quality of the states that the car may be armed by: 2 good, 1 degraded. \[-\]
+    /// Least quality of the states that the car may be armed by.
     pub quality: i8,
     /// How much later than due a command or a state may come. \[ns\]
     pub timeout_ns: i64,
@@ -70,7 +70,7 @@ impl Rules {
             period_ns,
             tick_ns: 10 * MS,
             state_ns: 10 * MS,
-            quality: 2,
+            quality: VehicleState::GOOD,
             timeout_ns: 100 * MS,
             max_age_ns: 100 * MS,
             ready_ns: 1000 * MS,

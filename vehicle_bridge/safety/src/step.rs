@@ -167,6 +167,7 @@ impl Safety {
             Reject::Stale => self.counts.stale += 1,
             _ => self.counts.bad += 1,
         }
+        self.counts.wrong_type += i64::from(reject == Reject::Fingerprint);
     }
 
     /// Ends the grant.

@@ -1,6 +1,6 @@
 //! What goes into the core and what comes out.
 
-use lcm_types::{BootId, Heartbeat, SeqNumber};
+use lcm_types::{ActuationReport, BootId, Heartbeat, SeqNumber};
 use vehicle_model::{Limited, State};
 
 use super::command::{DecodedCommand, Reject};
@@ -60,19 +60,19 @@ impl BridgeState {
 pub enum InputSource {
     /// Nobody: the car is held.
     #[default]
-    None = 0,
+    None = ActuationReport::NOBODY,
     /// The command in force.
-    Command = 1,
+    Command = ActuationReport::COMMAND,
     /// Its fallback plan.
-    Plan = 2,
+    Plan = ActuationReport::PLAN,
     /// The safe stop.
-    Stop = 3,
+    Stop = ActuationReport::SAFE_STOP,
 }
 
 /// What happens to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BridgeEvent<'a> {
-    /// The car's state in the track's frame, with its quality (2 good, 1 degraded, 0 bad).
+    /// The car's state in the track's frame, with its quality as in [`lcm_types::VehicleState`].
     State(State, i8),
     /// A command that passed [`super::decode`].
     Command(&'a DecodedCommand),
@@ -131,6 +131,8 @@ pub struct CommandCounts {
     pub stale: i64,
     /// Refused by anything else. \[-\]
     pub bad: i64,
+    /// Of those in `bad`: another type, or another version of it. \[-\]
+    pub wrong_type: i64,
     /// Missing by the numbers. \[-\]
     pub lost: i64,
     /// Ticks with an input that a limit moved. \[-\]

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use vehicle_model::Limited;
 
 use auth::Seal;
-use safety::{DoubtFinding, Reaction, Reject, StopReason};
-use transport::record::NetworkLog;
+use safety::{DoubtFinding, Reaction, Reject};
 
 /// What was not taken, last.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,8 +35,6 @@ impl fmt::Display for Refused {
 pub(super) struct Account {
     /// Known from the start.
     pub(super) notes: Arc<[String]>,
-    /// Why the car was stopped last.
-    pub(super) stop_reason: StopReason,
     /// Ticks with an input that a limit moved. \[-\]
     pub(super) limited: i64,
     /// The last input.
@@ -52,8 +49,6 @@ pub(super) struct Account {
     pub(super) creeps: bool,
     /// Programs on the network that should not be there.
     pub(super) neighbours: Option<Arc<str>>,
-    /// Behind the network.
-    pub(super) log: Option<NetworkLog>,
     /// Why the relay gets no sign of life.
     pub(super) relay: Option<Arc<str>>,
     /// Before the network.
@@ -74,9 +69,6 @@ impl fmt::Display for Account {
         for note in &*self.notes {
             say(format_args!("{note}"))?;
         }
-        if self.stop_reason != StopReason::None {
-            say(format_args!("last stop: {}", self.stop_reason))?;
-        }
         if let Some(Limited { asked, sent, bits }) = self.applied.filter(|_| self.limited > 0) {
             say(format_args!(
                 "{} inputs limited; now asked {:.2} m/s^2, {:.3} rad, sent {:.2}, {:.3}, limits {bits:#x}",
@@ -88,9 +80,6 @@ impl fmt::Display for Account {
         }
         if self.unsent > 0 {
             say(format_args!("{} messages could not be sent", self.unsent))?;
-        }
-        if let Some(complaint) = self.log.as_ref().and_then(NetworkLog::complaint) {
-            say(format_args!("{complaint}"))?;
         }
         if let Some(complaint) = self.seal.as_ref().and_then(Seal::complaint) {
             say(format_args!("{complaint}"))?;
@@ -132,7 +121,6 @@ mod tests {
         assert_eq!(Account::default().to_string(), "");
         let account = Account {
             notes: Arc::new(["a note".to_owned()]),
-            stop_reason: StopReason::Gap,
             limited: 3,
             applied: Some(Limited { asked: Input::default(), sent: Input::default(), bits: 4 }),
             missed: 1,
@@ -142,13 +130,12 @@ mod tests {
             creeps: true,
             neighbours: Some("another bridge".into()),
             refused: Some(Refused::Heartbeat(Reject::Boot)),
-            log: None,
             seal: None,
             relay: None,
         };
         assert_eq!(
             account.to_string(),
-            "a note; last stop: the bridge itself stood still; 3 inputs limited; now asked 0.00 \
+            "a note; 3 inputs limited; now asked 0.00 \
              m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
              be sent; the car moved on though the brake held it (throttle off, or a slope): it is \
              held with all the brake there is; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a heartbeat was refused: not from \

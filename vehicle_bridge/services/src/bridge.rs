@@ -139,7 +139,7 @@ impl Bridge {
     /// Tells in every heartbeat what the log behind the network loses.
     #[must_use]
     pub fn with_log(self, log: Option<NetworkLog>) -> Self {
-        self.heartbeat.update(|health| health.detail.log = log);
+        self.heartbeat.update(|health| health.log = log);
         self
     }
 
@@ -305,10 +305,10 @@ impl Bridge {
         let sent = self.reports.send_sealed(&report);
         self.unsent += u64::from(sent.is_err());
         let c = self.safety.counts();
-        let counts =
-            StreamCounts { ok: c.ok, bad: c.bad, old: c.old, stale: c.stale, lost: c.lost };
-        let (reason, missed, unsent) =
-            (self.safety.stop_reason(), self.summary.missed, self.unsent);
+        let safety::CommandCounts { ok, bad, wrong_type, old, stale, lost, .. } = c;
+        let counts = StreamCounts { ok, bad, wrong_type, old, stale, lost };
+        let stop_reason = self.safety.stop_reason();
+        let (missed, unsent) = (self.summary.missed, self.unsent);
         let car = self.side.counts();
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
@@ -317,9 +317,9 @@ impl Bridge {
         self.heartbeat.update(|health| {
             health.state = state;
             health.counts = counts;
-            health.arm_token = arm_token;
+            (health.arm_token, health.stop_reason) = (arm_token, stop_reason);
             let said = &mut health.detail;
-            (said.stop_reason, said.missed, said.unsent, said.car) = (reason, missed, unsent, car);
+            (said.missed, said.unsent, said.car) = (missed, unsent, car);
             (said.doubt, said.creeps) = (finding, creeps);
             said.relay = relay;
             if let Some(news) = neighbours {

@@ -26,10 +26,6 @@ const WAITING: usize = 1024;
 const SILENCE_NS: i64 = 1_000_000_000;
 /// An older command is refused on arrival: two and a half periods of 0.1 s.
 const MAX_AGE_NS: i64 = 250_000_000;
-const SOURCE_NONE: i8 = 0;
-const SOURCE_COMMAND: i8 = 1;
-const SOURCE_PLAN: i8 = 2;
-const SOURCE_SAFE_STOP: i8 = 3;
 
 /// How the car runs.
 #[derive(Debug, Clone)]
@@ -110,7 +106,7 @@ impl SimulatedCar {
             boot_id: identity.boot_id,
             command: None,
             steer: 0.0,
-            source: SOURCE_NONE,
+            source: ActuationReport::NOBODY,
             lap_start: 0.0,
             lap_clean: true,
             drive: DriveSummary::default(),
@@ -190,10 +186,10 @@ impl SimulatedCar {
                 });
                 self.commands.recycle(received);
                 if let Some(command) = answer {
-                    let input = convert::input_at(&command, 0.0);
-                    self.source = if input.is_some() { SOURCE_COMMAND } else { SOURCE_SAFE_STOP };
+                    let asked = convert::input_at(&command, 0.0);
+                    self.source = asked.map_or(ActuationReport::SAFE_STOP, |(_, source)| source);
                     self.command = Some((command, Instant::now()));
-                    let input = input.unwrap_or_else(|| self.safe_stop());
+                    let input = asked.map_or_else(|| self.safe_stop(), |(input, _)| input);
                     self.steer = input.delta;
                     self.vehicle.apply(input, self.options.period)?;
                     return Ok(true);
@@ -222,7 +218,7 @@ impl SimulatedCar {
         self.publish_state(x, measured_at)?;
         let mut done = start;
         let mut left = self.options.period;
-        let mut worst = SOURCE_NONE;
+        let mut worst = ActuationReport::NOBODY;
         while left > 0.0 {
             let received = self.commands.wait_until(self.change(done).min(end));
             let now = Instant::now().clamp(done, end);
@@ -240,8 +236,8 @@ impl SimulatedCar {
                 self.commands.recycle(received);
             }
         }
-        self.drive.by_plan += u64::from(worst == SOURCE_PLAN);
-        self.drive.stopped += u64::from(worst == SOURCE_SAFE_STOP);
+        self.drive.by_plan += u64::from(worst == ActuationReport::PLAN);
+        self.drive.stopped += u64::from(worst == ActuationReport::SAFE_STOP);
         Ok(())
     }
 
@@ -256,16 +252,15 @@ impl SimulatedCar {
     /// What is applied from `now` on.
     fn input(&mut self, now: Instant) -> Input {
         let Some((command, came)) = &self.command else {
-            self.source = SOURCE_NONE;
+            self.source = ActuationReport::NOBODY;
             return self.safe_stop();
         };
         let age = now.saturating_duration_since(*came).as_secs_f64();
-        let Some(input) = convert::input_at(command, age) else {
-            self.source = SOURCE_SAFE_STOP;
+        let Some((input, source)) = convert::input_at(command, age) else {
+            self.source = ActuationReport::SAFE_STOP;
             return self.safe_stop();
         };
-        let planned = age > 1.25 * f64::from(command.plan_dt);
-        self.source = if planned { SOURCE_PLAN } else { SOURCE_COMMAND };
+        self.source = source;
         input
     }
 
@@ -313,7 +308,7 @@ impl SimulatedCar {
         let applied = self.vehicle.applied();
         let (cmd_boot_id, cmd_seq) =
             self.command.as_ref().map(|(c, _)| (c.h.boot_id, c.h.seq)).unwrap_or_default();
-        let enabled = matches!(self.source, SOURCE_COMMAND | SOURCE_PLAN);
+        let enabled = matches!(self.source, ActuationReport::COMMAND | ActuationReport::PLAN);
         let (source, accel, steer) = (self.source, applied.a, applied.delta);
         let report = ActuationReport {
             h,

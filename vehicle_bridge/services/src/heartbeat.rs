@@ -11,14 +11,16 @@ use hosting::memory::resident_mb;
 use hosting::worker::Worker;
 use protocol::publisher::{Identity, Publisher};
 use protocol::stream_filter::StreamCounts;
+use safety::StopReason;
 use transport::Transport;
+use transport::record::NetworkLog;
 
 const INTERVAL: Duration = Duration::from_millis(100);
 /// Heartbeats from one message of track and setup to the next. \[-\]
 const PLACE_EVERY: u64 = 10;
 
 /// State of a program, as its heartbeat reports it.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Health<D = String> {
     /// One of the states of [`Heartbeat`].
     pub state: i8,
@@ -26,6 +28,14 @@ pub struct Health<D = String> {
     pub counts: StreamCounts,
     /// The grant in force, if any.
     pub arm_token: ArmToken,
+    /// Why the bridge stopped the car last.
+    pub stop_reason: StopReason,
+    /// Laps the controller has learned from; `None` from a program without one. \[-\]
+    pub laps_learned: Option<usize>,
+    /// Attempts to save what was learned that failed. \[-\]
+    pub save_failures: u64,
+    /// The log behind the network; what it loses is in every heartbeat.
+    pub log: Option<NetworkLog>,
     /// Text for people; formatted when it is sent.
     pub detail: D,
 }
@@ -89,23 +99,32 @@ fn beat<D: Display + Clone>(
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let Health { state, counts, arm_token, detail } =
-            health.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let seen = health.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let mut words = std::mem::take(&mut message.detail);
         words.clear();
         // Writing to a String cannot fail.
-        let _ = write!(words, "{detail}");
+        let _ = write!(words, "{}", seen.detail);
+        if let Some(complaint) = seen.log.as_ref().and_then(NetworkLog::complaint) {
+            let _ = write!(words, "{}{complaint}", if words.is_empty() { "" } else { "; " });
+        }
+        let (stop_reason, stop_doubt) = seen.stop_reason.codes();
         message = Heartbeat {
             h: publisher.header(),
-            state,
-            arm_token: arm_token.get(),
+            state: seen.state,
+            stop_reason,
+            stop_doubt,
+            arm_token: seen.arm_token.get(),
             uptime_s: begun.elapsed().as_secs_f64(),
             rss_mb: resident_mb("self"),
-            rx_ok: counts.ok,
-            rx_bad: counts.bad,
-            rx_old: counts.old,
-            rx_stale: counts.stale,
-            rx_lost: counts.lost,
+            rx_ok: seen.counts.ok,
+            rx_bad: seen.counts.bad,
+            rx_wrong_type: seen.counts.wrong_type,
+            rx_old: seen.counts.old,
+            rx_stale: seen.counts.stale,
+            rx_lost: seen.counts.lost,
+            laps_learned: seen.laps_learned.and_then(|laps| laps.try_into().ok()).unwrap_or(-1),
+            save_failures: signed(seen.save_failures),
+            log_dropped: signed(seen.log.as_ref().map_or(0, NetworkLog::dropped)),
             detail: words,
             ..message
         };
@@ -121,6 +140,10 @@ fn beat<D: Display + Clone>(
         due += INTERVAL;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
+}
+
+fn signed(count: u64) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
 }
 
 #[cfg(test)]

@@ -185,14 +185,14 @@ impl MappedCar {
 
     /// Sends the car what is to be applied from `now` on, and reports it.
     fn actuate(&mut self, now: Instant) -> Result<()> {
-        let running = self.source == 1 || self.source == 2;
+        let running = self.driven();
         let mut input = None;
-        self.source = 0;
+        self.source = ActuationReport::NOBODY;
         if let Some((command, came)) = &self.command {
             let age = now.saturating_duration_since(*came).as_secs_f64();
-            input = convert::input_at(command, age);
-            let planned = age > 1.25 * f64::from(command.plan_dt);
-            self.source = if input.is_none() { 3 } else { 1 + i8::from(planned) };
+            let asked = convert::input_at(command, age);
+            input = asked.map(|(input, _)| input);
+            self.source = asked.map_or(ActuationReport::SAFE_STOP, |(_, source)| source);
         }
         self.summary.stops += u64::from(running && input.is_none());
         let input = input.map(|u| Input {
@@ -208,6 +208,11 @@ impl MappedCar {
         self.publish_report()
     }
 
+    /// Whether the controller's inputs reach the car.
+    fn driven(&self) -> bool {
+        matches!(self.source, ActuationReport::COMMAND | ActuationReport::PLAN)
+    }
+
     fn publish_report(&mut self) -> Result<()> {
         let (cmd_boot_id, cmd_seq) =
             self.command.as_ref().map(|(c, _)| (c.h.boot_id, c.h.seq)).unwrap_or_default();
@@ -215,7 +220,7 @@ impl MappedCar {
             h: self.reports.header(),
             cmd_boot_id,
             cmd_seq,
-            enabled: matches!(self.source, 1 | 2),
+            enabled: self.driven(),
             source: self.source,
             accel: self.applied.a,
             steer: self.applied.delta,

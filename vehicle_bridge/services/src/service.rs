@@ -121,6 +121,8 @@ impl Service {
         let driven = TrackAndSetup { track, setup: options.setup.clone() };
         let key = store.as_ref().map(|s| s.path().display().to_string()).unwrap_or_default();
         let seen = LapSeen::new(controller.car(), key);
+        let heartbeat = HeartbeatSender::start(network, &identity, "lmpc", Some(driven))?;
+        heartbeat.update(|health| health.log.clone_from(&options.log));
         Ok(Self {
             filter: StreamFilter::new(age, silence, host),
             operators: OperatorInbox::new(host),
@@ -130,7 +132,7 @@ impl Service {
             laps: publisher(channels::LAP),
             acks: publisher(channels::OPERATOR_ACK),
             grant,
-            heartbeat: HeartbeatSender::start(network, &identity, "lmpc", Some(driven))?,
+            heartbeat,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
             seen,
@@ -208,7 +210,7 @@ impl Service {
         let sane = |state: &VehicleState| {
             // Another car's answers would be another car's commands.
             bridge.is_none_or(|bridge| state.h.sender_start() == bridge)
-                && state.quality > 0
+                && state.quality > VehicleState::BAD
                 && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
         };
         let times = (arrival, now);
@@ -368,7 +370,9 @@ impl Service {
             self.save_error = outcome;
         }
         let (state, counts) = (self.authority.state, self.filter.counts);
-        let mut detail = vec![format!("{} laps learned", self.controller.laps().len())];
+        let laps = self.controller.laps().len();
+        let save_failures = self.store.as_ref().map_or(0, LearnedDataStore::failures);
+        let mut detail = vec![format!("{laps} laps learned")];
         detail.extend(self.options.notes.iter().cloned());
         detail.extend(self.deadlines.complaint());
         if self.send_errors > 0 {
@@ -376,11 +380,12 @@ impl Service {
         }
         detail.extend(self.save_error.clone());
         detail.extend(self.grant.complaint());
-        detail.extend(self.options.log.as_ref().and_then(NetworkLog::complaint));
         detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
         self.heartbeat.update(|health| {
             health.state = state;
             health.counts = counts;
+            health.laps_learned = Some(laps);
+            health.save_failures = save_failures;
             health.detail = detail.join("; ");
         });
     }

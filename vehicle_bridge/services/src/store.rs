@@ -1,6 +1,8 @@
 //! Learned data to disk after every lap, on a thread of its own: the loop never waits for a disk.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -18,6 +20,7 @@ pub struct LearnedDataStore {
     path: PathBuf,
     queue: Option<Sender<Learned>>,
     outcomes: Receiver<Option<String>>,
+    failures: Arc<AtomicU64>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -41,12 +44,19 @@ impl LearnedDataStore {
         }
         let (queue, saves) = channel();
         let (tell, outcomes) = channel();
-        let file = path.to_owned();
+        let failures = Arc::<AtomicU64>::default();
+        let (file, failed) = (path.to_owned(), Arc::clone(&failures));
         let thread = std::thread::Builder::new()
             .name("lmpc-store".to_owned())
-            .spawn(move || save_all(&file, &saves, &tell))
+            .spawn(move || save_all(&file, &saves, &tell, &failed))
             .context("cannot start the thread that saves")?;
-        Ok(Self { path: path.to_owned(), queue: Some(queue), outcomes, thread: Some(thread) })
+        Ok(Self {
+            path: path.to_owned(),
+            queue: Some(queue),
+            outcomes,
+            failures,
+            thread: Some(thread),
+        })
     }
 
     /// The file.
@@ -68,6 +78,12 @@ impl LearnedDataStore {
     pub fn outcome(&self) -> Option<Option<String>> {
         self.outcomes.try_iter().last()
     }
+
+    /// Attempts to save that failed so far. \[-\]
+    #[must_use]
+    pub fn failures(&self) -> u64 {
+        self.failures.load(Ordering::Relaxed)
+    }
 }
 
 impl Drop for LearnedDataStore {
@@ -80,7 +96,12 @@ impl Drop for LearnedDataStore {
     }
 }
 
-fn save_all(path: &Path, saves: &Receiver<Learned>, tell: &Sender<Option<String>>) {
+fn save_all(
+    path: &Path,
+    saves: &Receiver<Learned>,
+    tell: &Sender<Option<String>>,
+    failures: &AtomicU64,
+) {
     let mut unsaved: Option<Learned> = None;
     loop {
         // What could not be saved is tried again: the disk may have room then.
@@ -95,6 +116,7 @@ fn save_all(path: &Path, saves: &Receiver<Learned>, tell: &Sender<Option<String>
             let failure = write(path, learned).err();
             let said =
                 failure.as_ref().map(|error| format!("cannot save {}: {error}", path.display()));
+            failures.fetch_add(failure.is_some().into(), Ordering::Relaxed);
             let _ = tell.send(said); // nobody listens after the end
             if failure.is_none() {
                 unsaved = None;
@@ -110,8 +132,6 @@ fn save_all(path: &Path, saves: &Receiver<Learned>, tell: &Sender<Option<String>
 mod tests {
     #![allow(clippy::unwrap_used, reason = "code of tests")]
 
-    use std::sync::Arc;
-
     use super::*;
 
     #[test]
@@ -123,12 +143,15 @@ mod tests {
         std::fs::create_dir(&obstacle).unwrap();
         let ((queue, saves), (tell, outcomes)) = (channel(), channel());
         let path = file.clone();
-        let thread = std::thread::spawn(move || save_all(&path, &saves, &tell));
+        let failures = Arc::<AtomicU64>::default();
+        let failed = Arc::clone(&failures);
+        let thread = std::thread::spawn(move || save_all(&path, &saves, &tell, &failed));
         let car = vehicle_model::CarParams::builtin("barc").unwrap();
         let track = Arc::new(vehicle_model::Track::builtin("l").unwrap());
         let controller = Controller::new(controller::Config::default(), car, track).unwrap();
         queue.send(controller.learned_data()).unwrap();
         assert!(outcomes.recv().unwrap().unwrap().contains("cannot save"));
+        assert!(failures.load(Ordering::Relaxed) > 0);
         std::fs::remove_dir(&obstacle).unwrap();
         while outcomes.recv().unwrap().is_some() {}
         assert_eq!(std::fs::read(&file).unwrap(), controller.save());

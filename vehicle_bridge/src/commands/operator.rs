@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use lcm_types::OperatorCommand;
+use lcm_types::{OperatorCommand, VehicleState};
 use vehicle_model::{Plant, PlantParams, State};
 
 use super::network::{comparable, connect, logged, on_signal, real_time};
@@ -48,7 +48,7 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let side = side(args, &options, tick, &network)?;
     if let CarSide::Mapped(_) = side {
         // A source by a map has neither numbers nor validity; who chose it knows.
-        rules.quality = 1;
+        rules.quality = VehicleState::DEGRADED;
         rules.state_ns = args.state_period_ms.map_or(period_ns, |ms| i64::from(ms) * 1_000_000);
         notes.push("the car's states have neither numbers nor checksums (quality 1)".to_owned());
     }

@@ -1,21 +1,20 @@
 //! `lmpc tour`: the first minute with the program.
 
 use std::fs;
-use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
 use super::{Outcome, folders};
-use command_line::TourArgs;
+use command_line::{NetworkArgs, TourArgs};
 use hil_bench::host::NETWORK_UP;
+use lcm_types::channels;
 use terminal::{BEST, GOOD, SOFT, Talk, WARN, paint, result};
-use transport::DEFAULT_URL;
+use transport::{DEFAULT_URL, Filter, Inbox};
 
 /// A group of its own, for a computer on which another car may be driving; ttl 0 keeps it there.
 const OWN_GROUP: &str = "udpm://239.255.76.99:7699?ttl=0";
@@ -197,23 +196,20 @@ fn finish(mut command: Command, program: &str, arguments: &[&str]) -> Result<()>
 struct ServiceProcess(Child);
 
 impl ServiceProcess {
-    /// Starts it and waits until it waits for the car.
+    /// Starts it and waits for its first heartbeat: from then on it receives the car's states.
     fn start(mut command: Command) -> Result<Self> {
-        let child = command.stderr(Stdio::piped()).spawn().context("cannot start `lmpc serve`")?;
-        let mut service = Self(child);
-        let errors = service.0.stderr.take().context("no standard error of `lmpc serve`")?;
-        let (ready, waits) = mpsc::channel();
-        std::thread::spawn(move || {
-            let talk = Talk { quiet: false };
-            for line in BufReader::new(errors).lines().map_while(Result::ok) {
-                talk.say(&line);
-                if line.contains("waiting for") {
-                    // Nobody waits any more for one that was late.
-                    let _ = ready.send(());
-                }
-            }
-        });
-        waits.recv_timeout(PATIENCE).context("`lmpc serve` did not begin")?;
+        let url = NetworkArgs { url: None, key: None }.url();
+        let network = transport::open(&url, None)?;
+        let heartbeats = Inbox::queue(1);
+        let channel = format!("{}lmpc", channels::HEARTBEAT);
+        network.subscribe(Filter::channel(&channel), heartbeats.sink())?;
+        let service = Self(command.spawn().context("cannot start `lmpc serve`")?);
+        if heartbeats.wait_until(Instant::now() + PATIENCE).is_none() {
+            bail!(
+                "`lmpc serve` sent no heartbeat on {channel} ({url}) in {} s",
+                PATIENCE.as_secs()
+            );
+        }
         Ok(service)
     }
 

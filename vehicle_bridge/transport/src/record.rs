@@ -69,10 +69,16 @@ impl NetworkLog {
         self.0.trouble().is_some()
     }
 
+    /// Messages that could not be written so far. \[-\]
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.0.dropped()
+    }
+
     /// Text for the heartbeat; `None` while everything is written.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {
-        let (dropped, trouble) = (self.0.dropped(), self.0.trouble());
+        let (dropped, trouble) = (self.dropped(), self.0.trouble());
         match trouble {
             Some(trouble) => Some(format!("log: {dropped} messages dropped, {trouble}")),
             None => (dropped > 0).then(|| format!("log: {dropped} messages dropped")),

@@ -14,6 +14,7 @@ pub(crate) use room::beyond;
 pub(super) use bank::Steering;
 pub use limits::DoubtLimits;
 
+use lcm_types::Heartbeat;
 use vehicle_model::{Input, State};
 
 use super::rules::Rules;
@@ -49,6 +50,31 @@ pub enum Suspicion {
     /// The yaw rate does not follow the steering angle that was sent, whatever the grip.
     #[error("the yaw rate does not follow the steering")]
     Steering,
+}
+
+/// Doubts with their codes in [`Heartbeat`].
+const CODES: [(Suspicion, i8); 8] = [
+    (Suspicion::None, Heartbeat::DOUBT_NONE),
+    (Suspicion::OffTrack, Heartbeat::DOUBT_OFF_TRACK),
+    (Suspicion::WrongWay, Heartbeat::DOUBT_WRONG_WAY),
+    (Suspicion::Overspeed, Heartbeat::DOUBT_OVERSPEED),
+    (Suspicion::Position, Heartbeat::DOUBT_POSITION),
+    (Suspicion::Heading, Heartbeat::DOUBT_HEADING),
+    (Suspicion::Drive, Heartbeat::DOUBT_DRIVE),
+    (Suspicion::Steering, Heartbeat::DOUBT_STEERING),
+];
+
+impl Suspicion {
+    /// `stop_doubt` of [`Heartbeat`].
+    pub(super) fn code(self) -> i8 {
+        let known = CODES.iter().find(|(what, _)| *what == self);
+        known.map_or(Heartbeat::DOUBT_NONE, |(_, code)| *code)
+    }
+
+    /// The doubt behind a code; `None` for one of another version.
+    pub(super) fn of_code(code: i8) -> Option<Self> {
+        CODES.iter().find(|(_, known)| *known == code).map(|(what, _)| *what)
+    }
 }
 
 /// What is done about a doubt.

@@ -69,17 +69,17 @@ fn busy() -> Watch {
     }
     let report = ActuationReport {
         h: header("bridge", 0),
-        source: 2,
+        source: ActuationReport::PLAN,
         accel: -1.5,
-        limited: 0x18,
+        limited: ActuationReport::ACCELERATION_RATE | ActuationReport::SPEED_CAP,
         ..Default::default()
     };
     watch.take(channels::ACTUATION, &sealed(&report), 980 * MS);
-    let detail =
-        "2 ticks missed; last stop: no valid command in time; a command was refused".to_owned();
+    let detail = "2 ticks missed; a command was refused".to_owned();
     let beat = Heartbeat {
         h: header("bridge", 1),
         state: Heartbeat::RUNNING,
+        stop_reason: Heartbeat::STOP_COMMANDS,
         arm_token: 9,
         rx_stale: 11,
         detail,

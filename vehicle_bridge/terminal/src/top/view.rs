@@ -1,6 +1,7 @@
 //! A snapshot as lines of text.
 
 use anstyle::Style;
+use lcm_types::{ActuationReport, VehicleState};
 
 use crate::{BAD, GOOD, SOFT, WARN, paint};
 use network_watch::{CarSeen, ChannelSeen, Estimates, ProgramSeen, Snapshot, TrackSeen};
@@ -66,8 +67,8 @@ fn car(seen: &Snapshot, width: usize, lines: &mut Vec<String>) {
         }
     }
     let quality = match car.quality {
-        2 => "good",
-        1 => "degraded",
+        VehicleState::GOOD => "good",
+        VehicleState::DEGRADED => "degraded",
         _ => "bad",
     };
     let driven = format!(
@@ -83,8 +84,15 @@ fn car(seen: &Snapshot, width: usize, lines: &mut Vec<String>) {
 }
 
 fn limits(car: &CarSeen) -> String {
-    const NAMES: [&str; 6] = ["steering", "steering rate", "accel", "jerk", "speed cap", "NaN"];
-    let named = NAMES.iter().enumerate().filter(|(bit, _)| car.limited & (1 << bit) != 0);
+    const NAMES: [(i32, &str); 6] = [
+        (ActuationReport::STEERING, "steering"),
+        (ActuationReport::STEERING_RATE, "steering rate"),
+        (ActuationReport::ACCELERATION, "accel"),
+        (ActuationReport::ACCELERATION_RATE, "jerk"),
+        (ActuationReport::SPEED_CAP, "speed cap"),
+        (ActuationReport::NOT_FINITE, "NaN"),
+    ];
+    let named = NAMES.iter().filter(|(bit, _)| car.limited & bit != 0);
     let named: Vec<_> = named.map(|(_, name)| *name).collect();
     if named.is_empty() { String::new() } else { format!(" (limited: {})", named.join(", ")) }
 }
@@ -175,9 +183,7 @@ fn program_lines(p: &ProgramSeen, width: usize, lines: &mut Vec<String>) {
     let head = format!("{:8} {}", p.name, paint(style, &format!("{state:9}")));
     lines.push(format!("{head} {}", cut(&words, width.saturating_sub(19))));
     for note in p.detail.split("; ").filter(|note| !note.is_empty()) {
-        if !note.starts_with("last stop: ") {
-            lines.push(paint(SOFT, &cut(&format!("         {note}"), width)));
-        }
+        lines.push(paint(SOFT, &cut(&format!("         {note}"), width)));
     }
 }
 
