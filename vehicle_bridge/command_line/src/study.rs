@@ -104,7 +104,7 @@ const REPORT: &str = "\
 Examples:
   lmpc study report out/study-grip                        best laps and failures along every axis
   lmpc study report out/study-grip --x plant.mu --y best_lap_s overhang_m_max
-  lmpc study report out/study-grip --x plant.mu --y best_lap_s --by seed --across config.horizon.steps
+  lmpc study report out/study-grip --x plant.mu --y best_lap_s --by seed --across car
   lmpc study report out/study-crc --template crc          the paper's figures
   lmpc study report out/iac/runs.csv --x track --y ratio --by plant
 
