@@ -70,8 +70,8 @@ fn description() -> &'static (Description, Slots) {
             model_identifier: "lmpc_controller",
             description: "Learning model predictive controller for racing, with error dynamics regression",
             terminals: Terminal::pair("To the car's actuators", "From the car's sensors"),
-            documentation: include_str!("../../doc/controller.html"),
-            icon: include_bytes!("../../doc/controller.png"),
+            documentation: include_str!("../../../doc/controller.html"),
+            icon: include_bytes!("../../../doc/controller.png"),
             ..Description::shipped(table)
         };
         (description, slots)
