@@ -48,8 +48,7 @@ fn variable(xml: &mut Xml, reference: usize, v: &Variable) {
         ("valueReference", reference.to_string()),
         ("description", v.description.clone()),
     ];
-    // Only Float64 may be continuous, and it is so by default.
-    attributes.extend(role(v.role));
+    attributes.extend(role(v));
     let limit = |x: Option<f64>| match (x, v.kind) {
         (None, _) => String::new(),
         (Some(x), VariableType::Integer) => format!("{x}"),
