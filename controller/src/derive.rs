@@ -151,7 +151,11 @@ impl Config {
         let cost = &mut self.cost;
         cost.input_acceleration *= each / (acceleration * acceleration);
         cost.input *= each;
-        cost.acceleration_rate *= rate / (acceleration * acceleration);
+        // A car whose drive and brakes are as strong as its tyres turns with every change of them: what noise
+        // adds to the first input must not.
+        let grip = speed * speed / length;
+        cost.acceleration_rate *=
+            rate / (acceleration * acceleration) * (acceleration / grip).sqrt();
         cost.gentle_start *= rate / (acceleration * acceleration);
         cost.steering_rate *= rate;
         cost.steering_rate_floor *= rate;
