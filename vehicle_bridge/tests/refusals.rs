@@ -49,6 +49,17 @@ fn mistakes_are_named_before_any_work() {
         (&["race", "--set", "horizon.steps=9", "--set", "horizon.steps=8"], 2, "each key once"),
         (&["race", "--bandwidth", "3", "--set", "regression.bandwidth=4"], 2, "each key once"),
         (&["study", &study], 1, "nothing varies from run to run"),
+        (
+            &["bridge", "--doubt", "egde_m=1"],
+            2,
+            "doubt limit `egde_m` is not known, expected one of",
+        ),
+        (
+            &["bridge", "--doubt", "edge_m=-1"],
+            2,
+            "doubt limit edge_m is -1, expected a number above 0",
+        ),
+        (&["bridge", "--doubt", "edge_m"], 2, "expected NAME=VALUE"),
         (&["race", "--track", &below], 1, "it is a folder, expected a file"),
         (&["race", "--load", &below, "--out", &results], 1, "it is a folder, expected a file"),
     ];

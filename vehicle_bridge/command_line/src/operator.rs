@@ -58,6 +58,9 @@ pub struct BridgeArgs {
     #[arg(long, default_value_t = 100, value_name = "MS",
           value_parser = clap::value_parser!(u32).range(20..=1000))]
     pub timeout_ms: u32,
+    /// Limit of a rule of doubt, in place of the one from car and track (docs/safety.md); may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub doubt: Vec<String>,
     /// Panic after this long in RUNNING, for the bench
     #[arg(long, hide = true, value_name = "S")]
     pub bench_panic_s: Option<f64>,

@@ -24,7 +24,7 @@ mod types;
 
 pub use check::decode;
 pub use command::{DecodedCommand, PLAN, Reject};
-pub use doubt::{DoubtFinding, DoubtLimits, Reaction, Suspicion};
+pub use doubt::{DoubtFinding, DoubtLimitError, DoubtLimits, Reaction, Suspicion};
 pub use order::{Denied, Order, OrderKind};
 pub use rules::{Rules, Setup};
 pub use step::{Safety, step};

@@ -62,6 +62,14 @@ impl Rules {
     /// Shortest timeout that one late tick does not trip. \[ms\]
     pub const LEAST_TIMEOUT_MS: u32 = 20;
 
+    /// How long what comes every `every_ns` may be silent: one timeout beyond the time when it is due.
+    /// A timeout as long as that time bridges one message that is lost, with half of it left for the
+    /// next one to be late. \[ns\]
+    pub(super) fn patience_ns(&self, every_ns: i64) -> i64 {
+        let one_lost = if self.timeout_ns >= every_ns { every_ns } else { 0 };
+        (every_ns + self.timeout_ns).max(every_ns + one_lost + self.timeout_ns / 2)
+    }
+
     /// For a car on a track, with the usual times: 100 Hz, 100 ms timeout.
     #[must_use]
     pub fn new(car: &CarParams, track: &Arc<Track>, period_ns: i64) -> Self {

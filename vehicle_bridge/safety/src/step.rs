@@ -35,6 +35,8 @@ pub struct Safety {
     pub(super) seen: Option<Seen>,
     pub(super) estimate: State,
     pub(super) estimated: MonoTime,
+    /// The input as the actuators have it.
+    pub(super) acting: Input,
     pub(super) controllers: Controllers,
     pub(super) published: Published,
     pub(super) doubt: Doubt,
@@ -180,7 +182,7 @@ impl Safety {
     }
 
     pub(super) fn is_fresh(&self, rules: &Rules, now: MonoTime) -> bool {
-        let patience = rules.state_ns + rules.timeout_ns;
+        let patience = rules.patience_ns(rules.state_ns);
         self.seen.is_some_and(|seen| now.ns_since(seen.at) <= patience)
     }
 
@@ -191,13 +193,13 @@ impl Safety {
         let from = |then: Option<MonoTime>, patience: i64| {
             then.map_or(NEVER, |then| then.plus_ns(patience))
         };
-        let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.state_ns + rules.timeout_ns);
+        let (late, silent) = (rules.tick_ns + rules.timeout_ns, rules.patience_ns(rules.state_ns));
         let beat = self.armed.and_then(|boot_id| self.controllers.beat(boot_id));
         let heard = from(beat, rules.pulse_ns);
         let running = self.bridge_state == BridgeState::Running;
         let (due, valid) = match self.command {
             Some(c) => (
-                c.arrival.plus_ns(rules.period_ns + rules.timeout_ns),
+                c.arrival.plus_ns(rules.patience_ns(rules.period_ns)),
                 c.arrival.plus_ns(c.valid_for_ns),
             ),
             None => (from(Some(self.started), rules.start_ns), NEVER),
@@ -307,7 +309,9 @@ impl Safety {
         let (dt, held) = (since(self.tick), since(self.tick.max(self.sent)));
         let before = self.applied.map(|applied| applied.sent).unwrap_or_default();
         let ahead = now.ns_since(self.estimated).max(0) as f64 * 1e-9;
-        self.estimate = stop::reckon(rules, &self.estimate, before, ahead.min(dt));
+        let ahead = ahead.min(dt);
+        let acting = stop::follow(rules, self.acting, before, dt - ahead);
+        (self.estimate, self.acting) = stop::reckon(rules, &self.estimate, (acting, before), ahead);
         self.estimated = now;
         self.tick = Some(now);
         if self.bridge_state == BridgeState::SafeStop && self.standstill(rules, now).is_ok() {

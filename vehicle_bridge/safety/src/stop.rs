@@ -39,16 +39,37 @@ pub(super) fn brake_without_steering(
     }
 }
 
-/// Where the car will be after `dt` \[s\], for the time without states.
-pub(super) fn reckon(rules: &Rules, x: &State, u: Input, dt: f64) -> State {
-    let mut next = *x;
+/// The input as the actuators have it `dt` \[s\] after `acting`, when `u` is sent meanwhile.
+pub(super) fn follow(rules: &Rules, acting: Input, u: Input, dt: f64) -> Input {
+    let car = &rules.rolling.params;
+    let lag = car.actuator_lag + car.actuator_delay;
+    if lag <= 0.0 {
+        return u;
+    }
+    let share = 1.0 - (-dt / lag).exp();
+    let towards = |from: f64, to: f64| from + share * (to - from);
+    Input { a: towards(acting.a, u.a), delta: towards(acting.delta, u.delta) }
+}
+
+/// Where the car will be after `dt` \[s\], and what its actuators have by then, for the time without
+/// states: `u` is sent, the actuators come from `acting`.
+pub(super) fn reckon(
+    rules: &Rules,
+    x: &State,
+    (acting, u): (Input, Input),
+    dt: f64,
+) -> (State, Input) {
+    let (mut next, mut acting) = (*x, acting);
     let steps = (dt / STEP).ceil().clamp(1.0, 1000.0);
+    let h = dt / steps;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 1000")]
     for _ in 0..steps as usize {
-        next =
-            roll(rules, &rules.sliding[0], &next, u, (dt / steps, STEP), rules.track.kappa(next.s));
+        let middle = follow(rules, acting, u, 0.5 * h);
+        let kappa = rules.track.kappa(next.s);
+        next = roll(rules, &rules.sliding[0], &next, middle, (h, STEP), kappa);
+        acting = follow(rules, acting, u, h);
     }
-    next
+    (next, acting)
 }
 
 /// The state `dt` \[s\] later, in steps of at most `step` \[s\], on a path of curvature `kappa`: the

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use vehicle_model::Limited;
 
+use super::car_clock::ClockFinding;
 use auth::Seal;
 use safety::{DoubtFinding, Reaction, Reject};
 
@@ -55,6 +56,8 @@ pub(super) struct Account {
     pub(super) seal: Option<Seal>,
     /// A real car's messages.
     pub(super) car: Option<mapping::CarMessageCounts>,
+    /// A real car's clock, if it drifts from this host's.
+    pub(super) clock: Option<ClockFinding>,
     /// Last refusal.
     pub(super) refused: Option<Refused>,
 }
@@ -103,6 +106,9 @@ impl fmt::Display for Account {
         if let Some(counts) = self.car {
             say(format_args!("{counts}"))?;
         }
+        if let Some(clock) = self.clock {
+            say(format_args!("{clock}"))?;
+        }
         if let Some(refused) = &self.refused {
             say(format_args!("{refused}"))?;
         }
@@ -126,6 +132,7 @@ mod tests {
             missed: 1,
             unsent: 2,
             car: Some(mapping::CarMessageCounts::default()),
+            clock: Some(ClockFinding { late: 0.0211, drift: 6e-4 }),
             doubt: DoubtFinding::default(),
             creeps: true,
             neighbours: Some("another bridge".into()),
@@ -138,7 +145,10 @@ mod tests {
             "a note; 3 inputs limited; now asked 0.00 \
              m/s^2, 0.000 rad, sent 0.00, 0.000, limits 0x4; 1 ticks missed; 2 messages could not \
              be sent; the car moved on though the brake held it (throttle off, or a slope): it is \
-             held with all the brake there is; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; a heartbeat was refused: not from \
+             held with all the brake there is; another bridge; car: 0 states, 0 bad, 0 old, 0 incomplete; states of the car arrive 21 ms \
+             later than their stamps say, +600 us/s since the first; expected at most 20 ms, and a \
+             drift of at most 500 us/s: compare the car's clock with this host's, and look for a \
+             network that has become slower; a heartbeat was refused: not from \
              the controller that was armed"
         );
     }

@@ -309,7 +309,7 @@ impl Bridge {
         let counts = StreamCounts { ok, bad, wrong_type, old, stale, lost };
         let stop_reason = self.safety.stop_reason();
         let (missed, unsent) = (self.summary.missed, self.unsent);
-        let car = self.side.counts();
+        let (car, clock) = (self.side.counts(), self.side.clock());
         let (state, arm_token) = (self.safety.bridge_state() as i8, self.safety.token());
         let (neighbours, finding) = (self.neighbours.news(), self.safety.finding());
         let creeps = self.safety.creeps();
@@ -321,7 +321,7 @@ impl Bridge {
             let said = &mut health.detail;
             (said.missed, said.unsent, said.car) = (missed, unsent, car);
             (said.doubt, said.creeps) = (finding, creeps);
-            said.relay = relay;
+            (said.relay, said.clock) = (relay, clock);
             if let Some(news) = neighbours {
                 said.neighbours = news;
             }

@@ -11,11 +11,13 @@ use lcm_types::{
 };
 use vehicle_model::Input;
 
-use super::deadline_monitor::{DeadlineMonitor, Overrun};
+use super::deadline_monitor::DeadlineMonitor;
+use super::descriptions::Descriptions;
 use super::grant::Grant;
 use super::heartbeat::{HeartbeatSender, TrackAndSetup};
 use super::operator::{self, Authority};
 use super::schedule::Schedule;
+pub use super::service_options::ServiceOptions;
 use super::store::LearnedDataStore;
 use auth::Seal;
 use hosting::timing::Stopwatch;
@@ -24,7 +26,6 @@ use protocol::operator_inbox::{Heard, OperatorInbox};
 use protocol::publisher::{Identity, Publisher};
 use protocol::stream_filter::{Accepted, StreamFilter};
 use protocol::telemetry::{self, HostTelemetry, LapSeen};
-use transport::record::NetworkLog;
 use transport::{Filter, Inbox, Received, Transport};
 
 /// A silence this long lets another sender of states in. \[s\]
@@ -33,27 +34,6 @@ const SILENCE: f64 = 1.0;
 const WAITING: usize = 1024;
 /// Longest sleep, so that signals and orders are seen.
 const NAP: Duration = Duration::from_millis(20);
-
-/// How the service is to run.
-#[derive(Debug, Clone)]
-pub struct ServiceOptions {
-    /// Commands go to `LMPC/CMD_DRY` and are never for the car.
-    pub dry_run: bool,
-    /// Wait for the operator's `START`.
-    pub wait_for_start: bool,
-    /// How long a command may be used; also the oldest state believed. \[s\]
-    pub valid_for: f64,
-    /// What a person should know of this start; goes into every heartbeat.
-    pub notes: Vec<String>,
-    /// What the bridge compares before it arms this controller.
-    pub setup: lcm_types::Setup,
-    /// The log behind the network; what it loses is in every heartbeat too.
-    pub log: Option<NetworkLog>,
-    /// The key before the network; what it refused is in every heartbeat too.
-    pub seal: Option<Seal>,
-    /// For the bench: steps that take longer.
-    pub overrun: Option<Overrun>,
-}
 
 /// What a lap was, for who watches.
 pub type OnLap<'a> = &'a mut dyn FnMut(&controller::LapResult, &LapSeen);
@@ -76,6 +56,7 @@ pub struct Service {
     heartbeat: HeartbeatSender,
     schedule: Schedule,
     track_id: i64,
+    descriptions: Descriptions,
     seen: LapSeen,
     last: Option<Last>,
     deadlines: DeadlineMonitor,
@@ -135,6 +116,7 @@ impl Service {
             heartbeat,
             schedule: Schedule::new(convert::nanoseconds(controller.config().horizon.period)),
             track_id: convert::track_id(controller.track()),
+            descriptions: Descriptions::new(controller.car(), controller.track()),
             seen,
             last: None,
             deadlines: DeadlineMonitor::default(),
@@ -207,11 +189,13 @@ impl Service {
     fn believe(&mut self, received: &Received) -> Option<VehicleState> {
         let (arrival, now) = (received.arrival.mono, transport::now().mono);
         let (track_id, bridge) = (self.track_id, self.grant.bridge());
+        let descriptions = &self.descriptions;
         let sane = |state: &VehicleState| {
             // Another car's answers would be another car's commands.
             bridge.is_none_or(|bridge| state.h.sender_start() == bridge)
                 && state.quality > VehicleState::BAD
                 && convert::pose(state, track_id).is_some_and(|pose| convert::is_finite(&pose))
+                && descriptions.agree(state)
         };
         let times = (arrival, now);
         let checked = self.filter.check(&received.payload, times, |state| &state.h, sane);
@@ -380,6 +364,7 @@ impl Service {
         }
         detail.extend(self.save_error.clone());
         detail.extend(self.grant.complaint());
+        detail.extend(self.descriptions.complaint());
         detail.extend(self.options.seal.as_ref().and_then(Seal::complaint));
         self.heartbeat.update(|health| {
             health.state = state;

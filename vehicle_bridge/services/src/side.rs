@@ -8,6 +8,7 @@ use controller::Pose;
 use lcm_types::{Header, LapIndex, MonoTime, VehicleState};
 use vehicle_model::{Input, State, Track};
 
+use super::car_clock::{CarClock, ClockFinding};
 use mapping::{CarRequest, Mapping};
 use protocol::convert;
 use safety::{InputSource, Output};
@@ -47,6 +48,7 @@ pub struct MappedSide {
     /// Where it was last: where to look for it next. \[m\]
     hint: Option<f64>,
     measured_ns: Option<i64>,
+    clock: CarClock,
     bytes: Vec<u8>,
 }
 
@@ -71,8 +73,9 @@ impl CarSide {
     #[must_use]
     pub fn mapped(mapping: Mapping, track: &Arc<Track>, network: &Arc<dyn Transport>) -> Self {
         let (network, track, bytes) = (Arc::clone(network), Arc::clone(track), Vec::new());
-        let (hint, measured_ns) = (None, None);
-        Self::Mapped(Box::new(MappedSide { mapping, network, track, hint, measured_ns, bytes }))
+        let (hint, measured_ns, clock) = (None, None, CarClock::default());
+        let car = MappedSide { mapping, network, track, hint, measured_ns, clock, bytes };
+        Self::Mapped(Box::new(car))
     }
 
     /// Channels the car's own messages come on.
@@ -135,7 +138,8 @@ impl CarSide {
         let x = car.track.to_frenet(&pose, car.hint);
         let is_new = car.measured_ns.is_none_or(|last| message.meas_mono_ns > last);
         (car.hint, car.measured_ns) = (Some(x.s), Some(message.meas_mono_ns));
-        Some(Told { x, is_new, message })
+        let meas_mono_ns = car.clock.time(message.meas_mono_ns, received.arrival.mono.as_ns());
+        Some(Told { x, is_new, message: VehicleState { meas_mono_ns, ..message } })
     }
 
     /// Sends the input to a real car; a simulated one gets it by [`CarSide::drive`].
@@ -166,6 +170,13 @@ impl CarSide {
     pub fn counts(&self) -> Option<mapping::CarMessageCounts> {
         let Self::Mapped(car) = self else { return None };
         Some(car.mapping.counts())
+    }
+
+    /// What is wrong with a real car's clock, if anything is.
+    #[must_use]
+    pub fn clock(&self) -> Option<ClockFinding> {
+        let Self::Mapped(car) = self else { return None };
+        car.clock.finding()
     }
 }
 

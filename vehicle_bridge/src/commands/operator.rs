@@ -37,8 +37,10 @@ pub(super) fn bridge(args: &BridgeArgs, talk: Talk) -> Result<Outcome> {
     let mut rules = Rules::new(&options.plant.car, &options.track, period_ns);
     rules.setup = comparable(&args.controller, &options.config, &options.track)?;
     rules.timeout_ns = i64::from(args.timeout_ms) * 1_000_000;
+    let changed = set_doubt(&mut rules, &args.doubt)?;
     check(args)?;
     let (network, mut notes, seal) = connect(&args.network, args.realtime)?;
+    notes.extend(changed);
     let bare = Arc::clone(&network);
     let watchdog = Watchdog::new(args.relay.as_deref())?;
     let (network, recording) = black_box(network, args, &mut notes);
@@ -120,6 +122,20 @@ fn black_box(
             (network, None)
         }
     }
+}
+
+/// Sets limits of doubt from `NAME=VALUE`; what was changed, in words: every heartbeat says it.
+fn set_doubt(rules: &mut Rules, changes: &[String]) -> Result<Vec<String>> {
+    let set = |text: &String| {
+        let pair = text.split_once('=').and_then(|(name, value)| Some((name, value.parse().ok()?)));
+        let (Some((name, value)), Some(limits)) = (pair, &mut rules.doubt) else {
+            bail!(Usage(format!("--doubt {text}: expected NAME=VALUE, for example edge_m=0.1")));
+        };
+        let before =
+            limits.set(name, value).map_err(|error| Usage(format!("--doubt {text}: {error}")))?;
+        Ok(format!("doubt limit {name} is {value}, {before:.3} by car and track"))
+    };
+    changes.iter().map(set).collect()
 }
 
 /// Whether the options of the car's side go together.

@@ -61,3 +61,137 @@ impl DoubtLimits {
         }
     }
 }
+
+/// A limit's name on a command line, with its unit, and its place.
+type Named = (&'static str, fn(&mut DoubtLimits) -> &mut f64);
+
+/// All of them.
+const NAMED: [Named; 13] = [
+    ("edge_m", |l| &mut l.edge),
+    ("stop_edge_m", |l| &mut l.stop_edge),
+    ("heading_rad", |l| &mut l.heading),
+    ("position_m", |l| &mut l.position),
+    ("speed_share", |l| &mut l.speed_share),
+    ("heading_error_rad", |l| &mut l.heading_error),
+    ("timing_s", |l| &mut l.timing),
+    ("turn_rad", |l| &mut l.turn),
+    ("accel_mps2", |l| &mut l.accel),
+    ("steer_rad", |l| &mut l.steer),
+    ("yaw_rate_radps", |l| &mut l.yaw_rate),
+    ("patience_s", |l| &mut l.patience),
+    ("crawl_mps", |l| &mut l.crawl),
+];
+
+/// Why a limit was not set.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DoubtLimitError {
+    /// There is no such limit.
+    #[error("doubt limit `{found}` is not known, expected one of {known}")]
+    Name {
+        /// What was named.
+        found: String,
+        /// What there is.
+        known: String,
+    },
+    /// It is not a number above 0: a rule without a limit would stop every car, or none.
+    #[error("doubt limit {name} is {found}, expected a number above 0")]
+    Value {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: f64,
+    },
+}
+
+impl DoubtLimits {
+    /// Sets the limit of this name; what it was.
+    ///
+    /// # Errors
+    /// [`DoubtLimitError`]; nothing is changed then.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<f64, DoubtLimitError> {
+        let Some((name, place)) = NAMED.iter().find(|(known, _)| *known == name) else {
+            let known = NAMED.map(|(known, _)| known).join(", ");
+            return Err(DoubtLimitError::Name { found: name.to_owned(), known });
+        };
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(DoubtLimitError::Value { name, found: value });
+        }
+        Ok(std::mem::replace(place(self), value))
+    }
+
+    /// Names of all limits, each with its unit.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        NAMED.iter().map(|(name, _)| *name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "code of tests")]
+    use super::*;
+
+    #[test]
+    fn each_limit_has_a_name_and_a_place_of_its_own() {
+        let car = CarParams::builtin("barc").unwrap();
+        let before = DoubtLimits::new(&car, &Track::builtin("l").unwrap());
+        let mut limits = before;
+        for (value, name) in (101..).map(f64::from).zip(DoubtLimits::names()) {
+            // A place that two names had would give back the number of the first.
+            assert!(limits.set(name, value).unwrap() < 100.0, "{name}");
+        }
+        // No field is left as it was.
+        let DoubtLimits {
+            edge,
+            stop_edge,
+            heading,
+            position,
+            speed_share,
+            heading_error,
+            timing,
+            turn,
+            accel,
+            steer,
+            yaw_rate,
+            patience,
+            crawl,
+        } = limits;
+        let all = [
+            edge,
+            stop_edge,
+            heading,
+            position,
+            speed_share,
+            heading_error,
+            timing,
+            turn,
+            accel,
+            steer,
+            yaw_rate,
+            patience,
+            crawl,
+        ];
+        assert!(all.iter().zip(101..).all(|(found, set)| *found == f64::from(set)), "{all:?}");
+    }
+
+    #[test]
+    fn the_page_names_every_limit() {
+        let page = include_str!("../../../../docs/safety.md");
+        for name in DoubtLimits::names() {
+            assert!(page.contains(&format!("`{name}`")), "docs/safety.md lacks `{name}`");
+        }
+    }
+
+    #[test]
+    fn what_is_no_limit_is_refused_and_changes_nothing() {
+        let car = CarParams::builtin("barc").unwrap();
+        let before = DoubtLimits::new(&car, &Track::builtin("l").unwrap());
+        let mut limits = before;
+        for value in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            let error = limits.set("edge_m", value).unwrap_err().to_string();
+            assert!(error.contains("edge_m") && error.contains("above 0"), "{error}");
+        }
+        let error = limits.set("egde_m", 1.0).unwrap_err().to_string();
+        assert!(error.contains("`egde_m`") && error.contains("crawl_mps"), "{error}");
+        assert_eq!(limits, before);
+    }
+}

@@ -12,7 +12,7 @@ mod room;
 pub(crate) use room::beyond;
 
 pub(super) use bank::Steering;
-pub use limits::DoubtLimits;
+pub use limits::{DoubtLimitError, DoubtLimits};
 
 use lcm_types::Heartbeat;
 use vehicle_model::{Input, State};
@@ -138,6 +138,7 @@ impl Doubt {
         applied: Input,
         dt: f64,
     ) -> DoubtFinding {
+        let acting = self.response.acting();
         let motion = self.motion.on_state(rules, limits, before, x, dt);
         let response = self.response.on_state(rules, limits, x, applied, dt);
         let bank = self.bank.on_state(rules, limits, (before, x), &self.response, dt);
@@ -146,7 +147,7 @@ impl Doubt {
         self.trusted = Some(if motion.level < TRUSTED {
             *x
         } else {
-            super::stop::reckon(rules, &trusted, applied, dt)
+            super::stop::reckon(rules, &trusted, (acting, applied), dt).0
         });
         self.finding = motion.or(response).or(bank).or(room);
         self.finding

@@ -44,6 +44,11 @@ pub(super) struct ResponseModels {
 }
 
 impl ResponseModels {
+    /// The input as the actuators have it.
+    pub(super) fn acting(&self) -> Input {
+        self.input
+    }
+
     /// The input behind each lag.
     pub(super) fn lagged(&self) -> &[Input; LAGS.len()] {
         &self.lagged
@@ -58,13 +63,12 @@ impl ResponseModels {
 
     /// The actuators follow what was sent.
     pub(super) fn follow(&mut self, rules: &Rules, sent: Input, dt: f64) {
-        let car = &rules.rolling.params;
         let towards = |from: &mut Input, to: Input, lag: f64| {
             let share = if lag > 0.0 { 1.0 - (-dt / lag).exp() } else { 1.0 };
             from.a += share * (to.a - from.a);
             from.delta += share * (to.delta - from.delta);
         };
-        towards(&mut self.input, sent, car.actuator_lag + car.actuator_delay);
+        self.input = stop::follow(rules, self.input, sent, dt);
         for (lagged, lag) in self.lagged.iter_mut().zip(LAGS) {
             towards(lagged, self.input, lag);
         }

@@ -193,6 +193,50 @@ fn a_start_without_commands_ends() {
     assert_eq!([after(1000 * MS), after(1000 * MS + 1)], [BridgeState::Running, BridgeState::Idle]);
 }
 
+/// What a core of these times is in `by_ns` after the only command, with states each 10 ms until
+/// `states_ns`.
+fn after_a_command(period_ms: i64, timeout_ms: i64, states_ns: i64, by_ns: i64) -> Safety {
+    let mut core = Core::running();
+    (core.rules.period_ns, core.rules.state_ns) = (period_ms * MS, period_ms * MS);
+    core.rules.timeout_ns = timeout_ms * MS;
+    let offer = DecodedCommand { valid_for_ns: 1000 * MS, ..command() };
+    assert_eq!(core.on(BridgeEvent::Command(&offer), NOW).answer, Answer::Accepted);
+    for at_ns in (0..by_ns).step_by(10 * MS as usize).chain([by_ns]) {
+        if at_ns <= states_ns {
+            core.on(BridgeEvent::State(State { v_x: 1.0, ..State::default() }, 2), NOW + at_ns);
+        }
+        core.on(BridgeEvent::Tick, NOW + at_ns);
+    }
+    core.safety
+}
+
+#[test]
+fn a_timeout_as_long_as_the_period_bridges_one_message_and_no_more() {
+    let cases = [
+        // Period, timeout: how long after the last one the car is stopped. [ms]
+        (10, 100, 110),
+        (50, 100, 150),
+        (60, 100, 170),
+        // The second command after a lost one comes after 200 ms, at the earliest.
+        (100, 100, 250),
+        (100, 99, 199),
+        (100, 60, 160),
+        (100, 200, 300),
+    ];
+    for (period, timeout, most) in cases {
+        let case = format!("period {period} ms, timeout {timeout} ms");
+        let commands = |by_ns| after_a_command(period, timeout, i64::MAX, by_ns);
+        assert_eq!(commands(most * MS).bridge_state(), BridgeState::Running, "{case}");
+        let late = commands(most * MS + 1);
+        assert_eq!(late.bridge_state(), BridgeState::SafeStop, "{case}");
+        assert_eq!(late.stop_reason(), StopReason::Commands, "{case}");
+        // States alike: the last one now, and a command still in time.
+        let states = |by_ns| after_a_command(period, timeout, 0, by_ns);
+        assert_eq!(states(most * MS).bridge_state(), BridgeState::Running, "{case}");
+        assert_eq!(states(most * MS + 1).stop_reason(), StopReason::States, "{case}");
+    }
+}
+
 #[test]
 fn a_speed_cap_from_zero_to_the_greatest() {
     let of = |cap: f64| Core::running().order(OrderKind::SpeedCap(cap), NOW);

@@ -135,7 +135,7 @@ fn check(rules: &Rules, model: &Model, output: &Output, before: (Input, f64), no
         return;
     };
     let age = time(now).ns_since(command.arrival);
-    assert!(age <= command.valid_for_ns.min(rules.period_ns + rules.timeout_ns), "{age}");
+    assert!(age <= command.valid_for_ns.min(model::silence(rules, rules.period_ns)), "{age}");
     if age <= rules.period_ns {
         assert_eq!((output.source, asked), (InputSource::Command, command.input));
     } else {

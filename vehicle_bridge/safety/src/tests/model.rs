@@ -123,7 +123,7 @@ impl Model {
     }
 
     fn fresh(&self, rules: &Rules, now: i64) -> bool {
-        self.state.is_some_and(|(at, _)| now - at <= rules.state_ns + rules.timeout_ns)
+        self.state.is_some_and(|(at, _)| now - at <= silence(rules, rules.state_ns))
     }
 
     /// By the last state; between two of them the car may have begun to move or come to a stand.
@@ -149,7 +149,7 @@ impl Model {
         let pulse = beat.unwrap_or(i64::MIN / 2);
         let begun = self.bridge_state == BridgeState::Running;
         let late = self.command.map_or(now - self.started > rules.start_ns, |c| {
-            time(now).ns_since(c.arrival) > rules.period_ns + rules.timeout_ns
+            time(now).ns_since(c.arrival) > silence(rules, rules.period_ns)
         });
         let dead = self.command.is_some_and(|c| time(now).ns_since(c.arrival) > c.valid_for_ns);
         let causes = [
@@ -331,4 +331,11 @@ fn mismatch(theirs: &Setup, ours: &Setup) -> Option<Denied> {
         (.., true) => Some(Denied::Config { controller: theirs.config_id, bridge: ours.config_id }),
         _ => None,
     }
+}
+
+/// Longest silence of what comes every `every` \[ns\]: until the timeout, or, where that is at least as
+/// long as `every`, until half of it after the second one that is due. \[ns\]
+pub(super) fn silence(rules: &Rules, every: i64) -> i64 {
+    let usual = every + rules.timeout_ns;
+    if rules.timeout_ns < every { usual } else { usual.max(2 * every + rules.timeout_ns / 2) }
 }
