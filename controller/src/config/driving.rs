@@ -15,7 +15,7 @@ section! {
     control_rate "control_rate": f64, symbol "c_du", unit "", range (0.0, 1e6), from preset;
     /// Factor of the acceleration rate within `control_rate`.
     acceleration_rate "acceleration_rate": f64, symbol "w_a", unit "", range (0.0, 1e6),
-        from car_and_track "that of the preset in the car's scales of time and acceleration";
+        from car_and_track "that of the preset in the car's scales of time, acceleration and grip";
     /// Factor of the steering rate within `control_rate`.
     steering_rate "steering_rate": f64, symbol "w_delta", unit "", range (0.0, 1e6),
         from car_and_track "that of the preset in the car's scale of time";
