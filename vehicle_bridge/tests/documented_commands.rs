@@ -105,7 +105,7 @@ fn unknown(command: &Command, span: &str) -> Option<String> {
             let mut options = c.get_arguments();
             options.any(|a| a.get_long() == Some(option))
         };
-        matches!(option, "help" | "version") || commands.iter().any(|c| of(&c))
+        matches!(option, "help" | "version") || commands.iter().any(of)
     };
     let options = words.iter().filter_map(|word| word.strip_prefix("--"));
     let names = options.map(|option| option.split('=').next().unwrap_or(option));
