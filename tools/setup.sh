@@ -11,10 +11,51 @@ need() { # package, why, shell test that succeeds if it is there
     missing="$missing $1"
 }
 
-command -v cargo >/dev/null 2>&1 || {
-    echo "setup: no Rust toolchain: install rustup and a stable toolchain (1.89 or newer)" >&2
+have_apt() { command -v apt-get >/dev/null 2>&1; }
+sudo=""
+[ "$(id -u)" = 0 ] || sudo=sudo
+updated=""
+update() { # the lists of packages, once
+    [ -n "$updated" ] || $sudo apt-get update -qq >&2 || true
+    updated=yes
+}
+
+# The Rust toolchain. One that is there is not changed: then this says the command that does.
+least=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' "$(dirname "$0")/../Cargo.toml")
+# Whether a version is not below $least.
+enough() { [ "$(printf '%s\n' "$least" "$1" | sort -V | head -n 1)" = "$least" ]; }
+# The version of a package that apt would install.
+offered() { LC_ALL=C apt-cache policy "$1" 2>/dev/null | sed -n 's/^  Candidate: \([^(]\)/\1/p'; }
+have=$(cargo --version 2>/dev/null | cut -d ' ' -f 2) || have=""
+no_rust() { # what was found, command that mends it
+    echo "setup: $1, expected Rust $least or newer. Run this, then the same again: $2" >&2
     exit 1
 }
+script="curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y && . \"\$HOME/.cargo/env\""
+choose_toolchain=""
+if [ -n "$have" ]; then
+    if ! enough "$have"; then
+        if command -v rustup >/dev/null 2>&1; then
+            no_rust "found Rust $have" "rustup default stable && rustup update stable"
+        elif have_apt && update && [ -n "$(offered rustup)" ]; then
+            no_rust "found Rust $have" "$sudo${sudo:+ }apt-get install rustup && rustup default stable"
+        fi
+        no_rust "found Rust $have" "$script"
+    fi
+elif command -v rustup >/dev/null 2>&1; then
+    choose_toolchain=yes
+elif [ -x "${CARGO_HOME:-$HOME/.cargo}/bin/cargo" ]; then
+    no_rust "cargo is not on the PATH" ". \"${CARGO_HOME:-$HOME/.cargo}/env\""
+elif have_apt && update && [ -n "$(offered rustup)" ]; then
+    echo "setup: rustup is missing: it installs the Rust toolchain" >&2
+    missing=" rustup"
+    choose_toolchain=yes
+elif have_apt && enough "$(offered cargo)"; then
+    echo "setup: cargo is missing: it builds everything here" >&2
+    missing=" cargo"
+else
+    no_rust "found no Rust toolchain and no package of one" "$script"
+fi
 
 for job in "$@"; do
     case "$job" in
@@ -65,6 +106,21 @@ for job in "$@"; do
     esac
 done
 
+if [ -n "$missing" ]; then
+    if ! have_apt; then
+        echo "setup: this is no Debian or Ubuntu; please install the packages that match:$missing" >&2
+        exit 1
+    fi
+    echo "setup: installing$missing" >&2
+    update
+    # shellcheck disable=SC2086 # one word per package
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >&2
+fi
+if [ -n "$choose_toolchain" ]; then
+    echo "setup: rustup has no toolchain: it installs the stable one" >&2
+    rustup default stable >&2 || no_rust "rustup could install no toolchain" "rustup default stable"
+fi
+
 # The standard library of other machines comes from rustup, or with the system's toolchain.
 for target in $targets; do
     [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target/lib" ] || continue
@@ -74,14 +130,3 @@ for target in $targets; do
         exit 1
     fi
 done
-
-[ -z "$missing" ] && exit 0
-if ! command -v apt-get >/dev/null 2>&1; then
-    echo "setup: this is no Debian or Ubuntu; please install the packages that match:$missing" >&2
-    exit 1
-fi
-sudo=""
-[ "$(id -u)" = 0 ] || sudo=sudo
-echo "setup: installing$missing" >&2
-# shellcheck disable=SC2086 # one word per package
-$sudo apt-get update -qq && $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >&2
