@@ -4,14 +4,15 @@
 
 use std::path::Path;
 
+use crate::controller::ControllerFmu;
 use crate::description::Version;
 use crate::instance::Instance;
 use crate::log::Filter;
 use crate::model::FmuModel;
-use crate::models::{ControllerFmu, VehicleFmu};
 use crate::pack::PackError;
 use crate::status::CallError;
 use crate::system::{self, Element, Ssp};
+use crate::vehicle::VehicleFmu;
 use crate::xml::{Xml, number};
 
 /// Communication step of the experiments: the controller's period [s].

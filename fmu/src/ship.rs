@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::controller::ControllerFmu;
 use crate::description::{Description, Version};
 use crate::model::FmuModel;
-use crate::models::{ControllerFmu, VehicleFmu};
 use crate::pack::{Binary, PackError, Platform, pack_with, write_zip};
 use crate::related::{Related, related};
 use crate::system::{self, Element, Ssp};
+use crate::vehicle::VehicleFmu;
 
 /// File names of the FMUs.
 pub(crate) const CONTROLLER: &str = "lmpc-controller.fmu";

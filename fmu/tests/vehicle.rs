@@ -1,10 +1,9 @@
 //! The vehicle FMU over its C interface against the plant called directly, bit for bit.
 #![allow(clippy::unwrap_used, clippy::panic, unsafe_code)]
 
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::path::Path;
+use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use fmu_core::{FmuModel, VehicleFmu};
 use vehicle_model::{CarParams, GripChange, Input, Plant, PlantParams, State, Track};
@@ -44,10 +43,6 @@ impl Car {
     }
 
     fn bare() -> Self {
-        Self::logged(None)
-    }
-
-    fn logged(log: Option<fmu_core::c::Logger3>) -> Self {
         let token = CString::new(VehicleFmu::description().token()).unwrap();
         // SAFETY: strings end with a zero byte.
         let handle = unsafe {
@@ -62,7 +57,7 @@ impl Car {
                 null(),
                 0,
                 null_mut(),
-                log,
+                None,
                 null_mut(),
             )
         };
@@ -276,39 +271,4 @@ fn a_command_beyond_the_chosen_cars_limits_warns_once() {
         unsafe { c::fmi3DoStep(car.0, time, 0.1, 1, &mut event, &mut stop, &mut early, &mut last) }
     });
     assert_eq!(statuses, [0, 1, 0]);
-}
-
-static LOG: Mutex<String> = Mutex::new(String::new());
-
-// SAFETY: the message ends with a zero byte.
-unsafe extern "C" fn log(_: *mut c_void, _: i32, _: *const c_char, message: *const c_char) {
-    // SAFETY: as above.
-    *LOG.lock().unwrap() = unsafe { CStr::from_ptr(message) }.to_str().unwrap().to_owned();
-}
-
-/// The state holds the parameters, so only what stands behind a file's name can be another track.
-#[test]
-fn a_state_of_another_centre_line_is_refused_with_both_lengths() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("track.toml");
-    let tracks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tracks");
-    let text = CString::new(file.to_str().unwrap()).unwrap();
-    let car = |track: &str, log| {
-        std::fs::copy(tracks.join(track).with_extension("toml"), &file).unwrap();
-        let car = Car::logged(log);
-        // SAFETY: one reference, one text.
-        let status =
-            unsafe { c::fmi3SetString(car.0, &reference("param.track"), 1, &text.as_ptr(), 1) };
-        assert_eq!([status, car.initialize()], [0, 0]);
-        car
-    };
-    let bytes = car("l", None).serialized();
-    assert_eq!(car("l", None).restore(&bytes), 0);
-    let elsewhere = car("road_course", Some(log));
-    assert_eq!(elsewhere.restore(&bytes), 3);
-    let message = LOG.lock().unwrap().clone();
-    for track in ["l", "road_course"] {
-        let length = format!("{} m long", Track::builtin(track).unwrap().length());
-        assert!(message.contains(&length), "{message}: no {length}");
-    }
 }

@@ -10,10 +10,11 @@ pub(crate) use osp::osp_structure;
 pub(crate) use parameters::{Element, SETS, ssv};
 pub(crate) use ssd::{Ssp, ssd};
 
+use crate::controller::ControllerFmu;
 use crate::description::Description;
 use crate::model::FmuModel;
-use crate::models::{ControllerFmu, VehicleFmu};
 use crate::variable::Role;
+use crate::vehicle::VehicleFmu;
 
 /// Communication step of the system in parallel exchange [s]. Each exchange delays a signal by
 /// one step, so it is a tenth of the controller's period.

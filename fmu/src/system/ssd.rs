@@ -2,11 +2,12 @@
 
 use super::parameters::{Value, values};
 use super::{NAMES, STEP, STOP, connections};
+use crate::controller::ControllerFmu;
 use crate::description::Description;
 use crate::model::FmuModel;
-use crate::models::{ControllerFmu, VehicleFmu};
 use crate::ship::{CONTROLLER, VEHICLE};
 use crate::variable::{Role, Variable, VariableType};
+use crate::vehicle::VehicleFmu;
 use crate::xml::{self, Attribute, Xml, number};
 
 /// No step is repeated, so nothing is compared with it.

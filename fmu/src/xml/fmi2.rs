@@ -50,7 +50,7 @@ fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
         ("valueReference", reference.to_string()),
         ("description", variable.description.clone()),
     ];
-    attributes.extend(role(variable));
+    attributes.extend(role(variable.role));
     let settable = variable.role.settable();
     let limit = |x: Option<f64>| match (x, variable.kind) {
         (None, _) => String::new(),

@@ -48,7 +48,8 @@ fn variable(xml: &mut Xml, reference: usize, v: &Variable) {
         ("valueReference", reference.to_string()),
         ("description", v.description.clone()),
     ];
-    attributes.extend(role(v));
+    // Only Float64 may be continuous, and it is so by default.
+    attributes.extend(role(v.role));
     let limit = |x: Option<f64>| match (x, v.kind) {
         (None, _) => String::new(),
         (Some(x), VariableType::Integer) => format!("{x}"),

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use crate::description::Description;
 use crate::log::CATEGORIES;
 use crate::unit::Unit;
-use crate::variable::{Role, Variable, VariableType};
+use crate::variable::Role;
 
 /// Units used by the table, by name.
 pub(crate) fn units(description: &Description) -> BTreeMap<&'static str, Unit> {
@@ -64,13 +64,11 @@ fn default_experiment(xml: &mut Xml, description: &Description) {
 }
 
 /// Causality, variability and initial, equal in both versions.
-fn role(variable: &Variable) -> [(&'static str, String); 3] {
-    let (causality, variability, initial) = match variable.role {
+fn role(role: Role) -> [(&'static str, String); 3] {
+    let (causality, variability, initial) = match role {
         Role::Time => ("independent", "continuous", ""),
         Role::Fixed => ("parameter", "fixed", "exact"),
         Role::Tunable => ("parameter", "tunable", "exact"),
-        // Only real numbers may be continuous.
-        Role::Input if variable.kind != VariableType::Real => ("input", "discrete", ""),
         Role::Input => ("input", "continuous", ""),
         Role::Discrete => ("output", "discrete", "calculated"),
         Role::Output => ("output", "continuous", "calculated"),

@@ -7,7 +7,6 @@ mod error;
 mod guess;
 mod heard;
 pub mod map;
-mod misfits;
 mod names;
 mod preload;
 mod reduced;
@@ -17,7 +16,7 @@ mod slave;
 pub mod trial;
 pub mod units;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use vehicle_model::track::wrap_angle;
@@ -29,7 +28,6 @@ use element::find;
 pub use error::FmuError;
 pub use guess::{is_ours, map_of_ours, propose};
 use map::{Entry, Frame, Map, input_quantities, quantities_of};
-pub use misfits::misfits;
 pub use slave::{CoSimInstance, ImportedVariable, VariableValue};
 use units::Dimension;
 
@@ -136,10 +134,10 @@ impl FmuVehicle {
     /// # Errors
     /// [`FmuError`] if FMU and map do not fit, or the FMU refuses.
     pub fn new(options: FmuOptions) -> Result<Self, FmuError> {
-        let inspection = fmu_core::inspect(&options.file)?;
+        let mut slave = CoSimInstance::open(&options.file, options.preload.as_deref())?;
         let map = match options.map.clone() {
             Some(map) => map,
-            None => map_of_ours(&inspection).ok_or_else(|| {
+            None => map_of_ours(slave.inspection()).ok_or_else(|| {
                 let file = options.file.display();
                 FmuError::Map(format!(
                     "{file} is not our vehicle FMU, so it needs a map (`lmpc vehicle inspect \
@@ -147,13 +145,6 @@ impl FmuVehicle {
                 ))
             })?,
         };
-        let wrong = misfits::all(&map, &inspection, &options.file);
-        if !wrong.is_empty() {
-            let wrong: Vec<String> =
-                wrong.iter().map(|(key, what)| format!("{key}: {what}")).collect();
-            return Err(FmuError::Map(wrong.join("; ")));
-        }
-        let mut slave = CoSimInstance::open(&options.file, options.preload.as_deref())?;
         let input = Group::new(&slave, &map.input, &input_quantities())?;
         let states = |table| -> Result<Group, FmuError> {
             let (quantities, polar) = quantities_of(map.frame, table);
@@ -340,4 +331,47 @@ fn from_frame(frame: Frame, track: &Track, values: &[f64], hint: f64) -> State {
             track.to_frenet(&pose, Some(hint))
         }
     }
+}
+
+/// Every problem of a map with its FMU: unknown variables, wrong units, wrong causalities.
+///
+/// # Errors
+/// [`FmuError`] if the FMU cannot be looked into.
+pub fn misfits(map: &Map, file: &Path) -> Result<Vec<(String, String)>, FmuError> {
+    let inspection = fmu_core::inspect(file)?;
+    let mut found = Vec::new();
+    for (key, entry, dimension) in map.entries() {
+        let name = entry.variable();
+        let row = match find(&inspection, name) {
+            Ok((row, _)) => row,
+            Err(what) => {
+                found.push((key, format!("variable `{name}` of {}: {what}", file.display())));
+                continue;
+            }
+        };
+        let expected = match key.split('.').next() {
+            Some("input") => "input",
+            Some("initial") => "parameter",
+            _ => "output",
+        };
+        if row.causality != expected && (expected != "output" || row.causality == "input") {
+            found.push((
+                key.clone(),
+                format!("`{name}` is of causality {}, expected {expected}", row.causality),
+            ));
+        }
+        if let Err(what) = entry.factor(&row.unit, dimension) {
+            found.push((key, format!("`{name}`: {what}")));
+        }
+    }
+    for name in map.parameters.keys() {
+        if let Err(what) = find(&inspection, name) {
+            let shown = file.display();
+            found.push((
+                format!("parameters.{name}"),
+                format!("variable `{name}` of {shown}: {what}"),
+            ));
+        }
+    }
+    Ok(found)
 }

@@ -16,7 +16,7 @@ use fmu_core::{Inspection, inspect};
 
 use super::element::{self, Element, find};
 use super::error::FmuError;
-use super::{heard, misfits, reduced};
+use super::{heard, reduced};
 
 type Fmi3Instance = fmi::fmi3::instance::InstanceCS;
 
@@ -69,7 +69,6 @@ impl CoSimInstance {
         let failed = |reason: String| FmuError::Load { path: path.to_owned(), reason };
         heard::listen();
         let inspection = inspect(path)?;
-        misfits::library(&inspection).map_err(failed)?;
         let folder = unpack(path).map_err(|e| failed(e.to_string()))?;
         super::preload::preload(&inspection, preload).map_err(failed)?;
         let description = reduced::reduce(&inspection.model_description).map_err(failed)?;

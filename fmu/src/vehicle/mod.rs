@@ -49,8 +49,8 @@ fn description() -> &'static (Description, Slots) {
             model_identifier: "lmpc_vehicle",
             description: "Single-track race car with tyre model, actuators and noisy sensors",
             terminals: Terminal::pair("What the controller commands", "What the sensors measure"),
-            documentation: include_str!("../../../doc/vehicle.html"),
-            icon: include_bytes!("../../../doc/vehicle.png"),
+            documentation: include_str!("../../doc/vehicle.html"),
+            icon: include_bytes!("../../doc/vehicle.png"),
             ..Description::shipped(table)
         };
         (description, slots)

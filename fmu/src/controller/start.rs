@@ -5,7 +5,6 @@ use controller::config::RegressionMode;
 use controller::{Config, Controller, Preset};
 use vehicle_model::{CarParams, Track};
 
-use super::requests::Requests;
 use super::{ControllerFmu, Laps, slots};
 use crate::checksum::fnv1a;
 use crate::files;
@@ -13,10 +12,6 @@ use crate::model::Io;
 use crate::schedule::TickSchedule;
 use crate::status::CallError;
 use crate::values::VariableValues;
-
-/// Codes of `param.recovery.mode` besides 0.
-const BY_ITSELF: i32 = 1;
-const WITH_LEAVE: i32 = 2;
 
 pub(super) fn failed(e: impl std::fmt::Display) -> CallError {
     CallError::Failed(e.to_string())
@@ -44,15 +39,6 @@ fn config(io: &Io<'_>, car: &CarParams, track: &Track) -> Result<Config, CallErr
     Ok(config)
 }
 
-/// Whether the controller recovers by itself: as asked for, else as configured.
-pub(super) fn recovers(values: &VariableValues, config: &Config) -> bool {
-    match values.integer(slots().recovery) {
-        BY_ITSELF => true,
-        WITH_LEAVE => false,
-        _ => config.recovery.active,
-    }
-}
-
 pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, CallError> {
     let slots = slots();
     let mut car = files::car(io, io.values.text(slots.car))?;
@@ -67,7 +53,6 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, CallError> {
     let schedule = TickSchedule::new(period).ok_or_else(|| failed(format!("period {period} s")))?;
     let (base, tuned) = (config.clone(), slots.settings.start(io.values, &config));
     slots.settings.tune(&tuned, &mut config);
-    config.recovery.active = recovers(io.values, &base);
     let mut controller = Box::new(Controller::new(config, car, track).map_err(failed)?);
     let path = io.values.text(slots.load);
     if !path.is_empty() {
@@ -79,18 +64,7 @@ pub(super) fn build(io: &mut Io<'_>) -> Result<ControllerFmu, CallError> {
     }
     let (identity, laps) = (fnv1a(&identity), Laps::default());
     let warned = false;
-    Ok(ControllerFmu {
-        controller,
-        base,
-        tuned,
-        started: tuned,
-        requests: Requests::default(),
-        period,
-        schedule,
-        identity,
-        laps,
-        warned,
-    })
+    Ok(ControllerFmu { controller, base, tuned, period, schedule, identity, laps, warned })
 }
 
 /// Writes the settings in force into the parameters.
@@ -103,8 +77,6 @@ pub(super) fn read_back(controller: &Controller, values: &mut VariableValues) {
         RegressionMode::Nominal => 3,
     };
     values.set_integer(slots.regression_mode, mode);
-    let recovery = if config.recovery.active { BY_ITSELF } else { WITH_LEAVE };
-    values.set_integer(slots.recovery, recovery);
     // Where the axles differ there is no one number, and 0 says so.
     let [front, rear] = [controller.car().tyre_front.mu, controller.car().tyre_rear.mu];
     if front.to_bits() == rear.to_bits() {

@@ -83,7 +83,6 @@ impl ControllerFmu {
         let numbers = [response.delay, response.lag, found, status.delay_change];
         write(values, &slots.response, numbers);
         values.set_real(slots.recovering, flag(status.action == Action::Recovering));
-        values.set_real(slots.request, self.requests.code());
         values.set_real(slots.filtered, flag(controller.covariance().is_some()));
         write(values, &slots.state_sigma, controller.state_sigma().unwrap_or_default());
         write(values, &slots.noise_sigma, controller.noise_sigma().unwrap_or_default());
@@ -136,7 +135,6 @@ mod tests {
         let mut log = CallLog::default();
         let mut io = Io { values: &mut values, resources: None, log: &mut log };
         let mut fmu = ControllerFmu::start(&mut io).unwrap();
-        fmu.in_force(io.values);
         assert_eq!(io.values.numbers[place("grip.road")], 1.0);
         let (mut filtered, mut found) = (0, 0);
         for k in 0..1100 {

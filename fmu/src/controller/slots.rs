@@ -43,13 +43,6 @@ pub(crate) struct Slots {
     pub(crate) learned: [Real; 4],
     /// v_x, e_psi, s, e_y along the plan.
     pub(crate) plan: [Vec<Real>; 4],
-    /// 0 as the preset, 1 by itself, 2 with leave.
-    pub(crate) recovery: Integer,
-    /// Inputs: the car is to stand; the controller may recover.
-    pub(crate) stop: Boolean,
-    pub(crate) recover: Boolean,
-    /// What becomes of the two.
-    pub(crate) request: Real,
     pub(crate) road_grip: Real,
     /// Delay, lag, whether they were found, change of the delay.
     pub(crate) response: [Real; 4],
@@ -75,7 +68,7 @@ const VEHICLE: [(&str, Unit, &str); 9] = [
 const NONE: f64 = f64::INFINITY;
 
 /// What bounds the outputs that have bounds whatever car and track are.
-const BOUNDS: [(&str, f64, f64); 23] = [
+const BOUNDS: [(&str, f64, f64); 22] = [
     ("status.action", 0.0, 5.0),
     ("status.reason", 0.0, 11.0),
     ("status.solve", 0.0, 5.0),
@@ -98,7 +91,6 @@ const BOUNDS: [(&str, f64, f64); 23] = [
     ("response.found", 0.0, 1.0),
     ("status.recovering", 0.0, 1.0),
     ("filter.active", 0.0, 1.0),
-    ("status.request", 0.0, 3.0),
 ];
 
 impl Slots {
@@ -276,30 +268,6 @@ impl Slots {
             "noise",
             "Standard deviation of the measurement's noise, given or estimated; 0 while it passes as it is",
         );
-        let recovery = t.add_integer(
-            Variable::integer(
-                "param.recovery.mode",
-                Role::Tunable,
-                "After a spin or excursion: 0 as the preset, 1 drives back by itself, 2 only with request.recover",
-            )
-            .range(0.0, 2.0),
-        );
-        let mut request =
-            |name: &str, text: &str| t.add_boolean(Variable::boolean(name, Role::Input, text));
-        let stop = request(
-            "request.stop",
-            "While true: the car brakes along the track to a stand and stays there; it drives on when false",
-        );
-        let recover = request(
-            "request.recover",
-            "While true, and to the end of a recovery begun: leave to drive back to the line after a spin or excursion",
-        );
-        let request = t.real(
-            "status.request",
-            Role::Discrete,
-            one,
-            "0 none, 1 braking to a stand as requested, 2 standing, 3 leave to recover in force",
-        );
         t.bound(&BOUNDS);
         Self {
             vehicle,
@@ -322,10 +290,6 @@ impl Slots {
             slack,
             learned,
             plan,
-            recovery,
-            stop,
-            recover,
-            request,
             road_grip,
             response,
             recovering,

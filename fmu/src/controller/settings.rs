@@ -148,22 +148,8 @@ const ROWS: &[Row] = &[
     count!("delay", "Whole periods between a command and its effect", [0.0, 20.0], delay.steps),
 ];
 
-/// What may change while stepping; the controller keeps all it learned. The speed cap comes first. No
-/// number is among them that says how much memory there is or what the laps' data are made of.
-pub(crate) const TUNABLE: [&str; 12] = [
-    "limits.speed_cap",
-    "limits.lane_margin",
-    "limits.front_slip",
-    "limits.rear_slip",
-    "cost.input",
-    "cost.control_rate",
-    "cost.acceleration_rate",
-    "cost.steering_rate",
-    "cost.steering_rate_floor",
-    "regression.bandwidth",
-    "regression.ridge",
-    "warm_up.speed",
-];
+/// What may change while stepping; the controller keeps all it learned.
+const TUNABLE: [&str; 2] = ["cost.control_rate", "limits.speed_cap"];
 
 /// Values of the tunable numbers.
 pub(crate) type Tuned = [f64; TUNABLE.len()];
@@ -215,16 +201,6 @@ impl Settings {
     pub(crate) fn write(&self, config: &Config, values: &mut VariableValues) {
         for ((slot, _), (.., get, _)) in self.numbers.iter().zip(ROWS) {
             values.set_real(*slot, get(config));
-        }
-    }
-
-    /// Puts the tunable numbers back to these.
-    pub(crate) fn put_back(&self, tuned: &Tuned, values: &mut VariableValues) {
-        for (tunable, value) in TUNABLE.iter().zip(tuned) {
-            for ((slot, _), _) in self.numbers.iter().zip(ROWS).filter(|(_, row)| row.0 == *tunable)
-            {
-                values.set_real(*slot, *value);
-            }
         }
     }
 

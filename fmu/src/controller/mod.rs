@@ -1,7 +1,6 @@
 //! The controller FMU: the same `Controller` as every other host runs.
 
 mod outputs;
-mod requests;
 mod settings;
 mod slots;
 mod start;
@@ -9,10 +8,7 @@ mod start;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use controller::{
-    Action, Command, Config, ConfigError, Controller, ControllerState, Learned, Measurement, Pose,
-    Reason,
-};
+use controller::{Action, Command, Config, Controller, ControllerState, Measurement, Pose, Reason};
 use serde::{Deserialize, Serialize};
 use vehicle_model::{GlobalState, Input, State};
 
@@ -23,7 +19,6 @@ use crate::schedule::TickSchedule;
 use crate::status::CallError;
 use crate::table::VariableTable;
 use crate::values::VariableValues;
-use requests::Requests;
 use settings::Tuned;
 use slots::Slots;
 
@@ -34,9 +29,6 @@ pub struct ControllerFmu {
     /// Configuration without the tunable numbers, and those as they act.
     base: Config,
     tuned: Tuned,
-    /// The tunable numbers at the start: what is learned belongs to them.
-    started: Tuned,
-    requests: Requests,
     /// Period as configured; ticks times this is the time of a measurement [s].
     period: f64,
     schedule: TickSchedule,
@@ -65,9 +57,6 @@ pub struct ControllerFmuState {
     ticks: i64,
     laps: Laps,
     tuned: Tuned,
-    started: Tuned,
-    recovers: bool,
-    requests: Requests,
     controller: ControllerState,
 }
 
@@ -81,8 +70,8 @@ fn description() -> &'static (Description, Slots) {
             model_identifier: "lmpc_controller",
             description: "Learning model predictive controller for racing, with error dynamics regression",
             terminals: Terminal::pair("To the car's actuators", "From the car's sensors"),
-            documentation: include_str!("../../../doc/controller.html"),
-            icon: include_bytes!("../../../doc/controller.png"),
+            documentation: include_str!("../../doc/controller.html"),
+            icon: include_bytes!("../../doc/controller.png"),
             ..Description::shipped(table)
         };
         (description, slots)
@@ -108,47 +97,18 @@ fn measurement(values: &VariableValues, time: f64) -> Measurement {
 }
 
 impl ControllerFmu {
-    /// These tunable numbers act from now on, and whether the controller recovers; it keeps all it
-    /// knows. If the numbers do not go together, nothing is changed.
-    fn retune(&mut self, tuned: Tuned, recovers: bool) -> Result<(), ConfigError> {
-        if tuned[1..] != self.tuned[1..] || recovers != self.controller.config().recovery.active {
-            *self.controller = self.successor(&tuned, recovers)?;
-        } else if tuned != self.tuned {
-            self.controller.set_speed_cap(tuned[0])?;
+    /// Another controller with these tunable numbers takes over all that this one knows.
+    fn retune(&mut self, tuned: Tuned) -> Result<(), CallError> {
+        if tuned == self.tuned {
+            return Ok(());
         }
-        self.tuned = tuned;
-        Ok(())
-    }
-
-    /// Another controller with these tunable numbers that takes over all that this one knows.
-    fn successor(&self, tuned: &Tuned, recovers: bool) -> Result<Controller, ConfigError> {
         let mut config = self.base.clone();
-        slots().settings.tune(tuned, &mut config);
-        config.recovery.active = recovers;
+        slots().settings.tune(&tuned, &mut config);
         let (car, track) = (self.controller.car().clone(), self.controller.track().clone());
-        let mut next = Controller::new(config, car, track)?;
+        let mut next = Controller::new(config, car, track).map_err(start::failed)?;
         next.resume(&self.controller.state());
-        Ok(next)
-    }
-
-    /// Follows what the host changed since the last tick.
-    fn follow(&mut self, io: &mut Io<'_>) {
-        let tuned = slots().settings.tuned(io.values);
-        let own = start::recovers(io.values, &self.base);
-        let leave = !own && self.requests.leave(io.values);
-        self.requests.allow(leave);
-        let Err(e) = self.retune(tuned, own || leave) else { return };
-        slots().settings.put_back(&self.tuned, io.values);
-        io.log.warn(format!("the tunable parameters stay as they were: {e}"));
-    }
-
-    /// What was learned, as that of the parameters at the start.
-    fn learned(&self) -> Result<Learned, ConfigError> {
-        if self.tuned == self.started {
-            return Ok(self.controller.learned_data());
-        }
-        // Learned data belong to a configuration whether it recovers or not.
-        Ok(self.successor(&self.started, false)?.learned_data())
+        (self.controller, self.tuned) = (Box::new(next), tuned);
+        Ok(())
     }
 
     /// Does ahead what the coming tick needs no inputs for, and keeps what was learned if that
@@ -181,8 +141,7 @@ impl ControllerFmu {
         if path.is_empty() {
             return;
         }
-        let learned = self.learned().map_err(|e| e.to_string());
-        match learned.and_then(|data| files::save(path, &data).map_err(|e| e.to_string())) {
+        match files::save(path, &self.controller.learned_data()) {
             Ok(()) => io.log.event(format!("learned data written to {path}")),
             // Driving matters more than the file.
             Err(e) => io.log.warn(format!("param.learned_save = '{path}': {e}")),
@@ -248,17 +207,14 @@ impl FmuModel for ControllerFmu {
             self.prepare(io);
             return Ok(());
         }
-        self.follow(io);
+        self.retune(slots().settings.tuned(io.values))?;
         let pending = self.controller.learning_pending();
-        let (before, speed_cap) = (self.requests, self.tuned[0]);
         let begin = Instant::now();
         // Counted, not summed: equal to every other host's time, bit for bit.
-        let measurement = measurement(io.values, tick as f64 * self.period);
-        let command = self.requests.step(&mut self.controller, io, &measurement, speed_cap);
+        let command = self.controller.step(&measurement(io.values, tick as f64 * self.period));
         let duration = begin.elapsed().as_secs_f64();
         let status = &command.status;
-        let explained = self.requests.explains(&before);
-        if let Some(why) = trouble(status.action, status.reason).filter(|_| !explained) {
+        if let Some(why) = trouble(status.action, status.reason) {
             io.log.warn(format!("at {} s: {why}; action: {:?}", step.begin, status.action));
         }
         if pending && !self.controller.learning_pending() {
@@ -288,9 +244,6 @@ impl FmuModel for ControllerFmu {
             ticks: self.schedule.count(),
             laps: self.laps,
             tuned: self.tuned,
-            started: self.started,
-            recovers: self.controller.config().recovery.active,
-            requests: self.requests,
             controller: self.controller.state(),
         }
     }
@@ -311,8 +264,8 @@ impl FmuModel for ControllerFmu {
         }
         self.schedule = TickSchedule::resumed(self.period, state.ticks)
             .ok_or_else(|| CallError::Refused("the state counts too many periods".to_owned()))?;
-        self.retune(state.tuned, state.recovers).map_err(|e| CallError::Refused(e.to_string()))?;
-        (self.laps, self.started, self.requests) = (state.laps, state.started, state.requests);
+        self.retune(state.tuned)?;
+        self.laps = state.laps;
         self.controller.resume(&state.controller);
         Ok(())
     }
